@@ -1,0 +1,1 @@
+"""Where motion comes from: registry, archives, and the catalogue of clips."""

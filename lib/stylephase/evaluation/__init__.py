@@ -1,0 +1,1 @@
+"""Test errors, naive predictors, and metrics of generated motion."""

@@ -1,0 +1,1 @@
+"""Vectors that the networks read and write, by name ([M22] 3.2)."""

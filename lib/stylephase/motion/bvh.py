@@ -1,0 +1,280 @@
+"""BVH files, read strictly and written so that they come back the same.
+
+Numbers in a file are degrees and the file's own unit of length; a `Clip` holds quaternions and metres.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from stylephase.errors import InputError
+from stylephase.files import write_text
+from stylephase.motion.clip import Clip
+from stylephase.motion.rotations import from_euler, from_matrix, to_euler, to_matrix
+from stylephase.motion.skeleton import Skeleton
+
+CENTIMETRE = 0.01
+# Units met in BVH files: metre, centimetre, millimetre, inch, and that of the CMU skeleton (2.54 cm / 0.45).
+_UNITS = (1.0, CENTIMETRE, 0.001, 0.0254, 0.0254 / 0.45)
+_LEG_LENGTH = 0.95
+_POSITION = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
+_ROTATION = {"Xrotation": "X", "Yrotation": "Y", "Zrotation": "Z"}
+# A joint other than the hips may carry position channels, but its bone must keep its length within this (m).
+_STRETCH = 0.01
+
+
+@dataclass
+class _Node:
+    """One joint of the file's hierarchy, as it stands there."""
+
+    name: str
+    parent: int
+    line: int
+    offset: tuple[float, ...] | None = None
+    channels: list[str] = field(default_factory=list)
+    site: bool = False
+    first_channel: int = 0
+
+
+class _Lines:
+    """The file's lines as words, one after the other, with the line number for messages."""
+
+    def __init__(self, path: Path):
+        self.path, self.number = path, 0
+        try:
+            self.lines = path.read_text(encoding="utf-8-sig").splitlines()
+        except FileNotFoundError as error:
+            raise InputError("no such file", path) from error
+        except (UnicodeDecodeError, IsADirectoryError) as error:
+            raise InputError("not a BVH file: it is no text file", path) from error
+
+    def next(self, expected: str) -> list[str]:
+        """Words of the next line that has any; raises InputError at the end of the file."""
+        while self.number < len(self.lines):
+            self.number += 1
+            words = self.lines[self.number - 1].split()
+            if words:
+                return words
+        raise InputError(f"the file ends where {expected} should stand", self.path, self.number)
+
+    def error(self, reason: str) -> InputError:
+        return InputError(reason, self.path, self.number)
+
+    def numbers(self, words: list[str], what: str) -> list[float]:
+        """Finite numbers; raises InputError."""
+        try:
+            values = [float(word) for word in words]
+        except ValueError as error:
+            raise self.error(f"{what}: expected numbers, found {_short(words)}") from error
+        if not np.isfinite(values).all():
+            raise self.error(f"{what}: a number is not finite")
+        return values
+
+
+def _short(words: list[str]) -> str:
+    text = " ".join(words)
+    return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def read_bvh(path: str | Path, *, metres_per_unit: float | None = None) -> Clip:
+    """Read a BVH file.
+
+    `metres_per_unit` is the file's unit of length (m); left out, it is guessed from the length of the legs.
+    Joints above the hips (a single chain, such as `joint_Root` over `Hips`) are composed into the hips. A constant
+    position channel of another joint replaces its offset.
+
+    Raises InputError with file, line and reason: no BVH, cut off, fewer or more frames than announced, a wrong
+    number of values, a value that is no finite number, a bone that changes its length.
+    """
+    lines = _Lines(Path(path))
+    nodes = _read_hierarchy(lines)
+    frame_time, values = _read_motion(lines, sum(len(node.channels) for node in nodes))
+    return _to_clip(lines.path, nodes, 1.0 / frame_time, values, metres_per_unit)
+
+
+def _read_hierarchy(lines: _Lines) -> list[_Node]:
+    if lines.next("HIERARCHY") != ["HIERARCHY"]:
+        raise lines.error("not a BVH file: the first word should be HIERARCHY")
+    nodes: list[_Node] = []
+    stack: list[int] = []
+    while True:
+        words = lines.next("a joint, '}' or MOTION")
+        if words[0] in ("ROOT", "JOINT") or words[0].lower() == "end":
+            _open_node(lines, words, nodes, stack)
+        elif words[0] == "OFFSET" and stack:
+            nodes[stack[-1]].offset = _offset(lines, words)
+        elif words[0] == "CHANNELS" and stack:
+            _set_channels(lines, words, nodes, stack[-1])
+        elif words[0] == "}" and stack:
+            _close_node(lines, nodes[stack.pop()])
+        elif words[0] == "MOTION" and not stack and nodes:
+            return nodes
+        else:
+            raise lines.error(f"unexpected {_short(words)} in the hierarchy")
+
+
+def _open_node(lines: _Lines, words: list[str], nodes: list[_Node], stack: list[int]) -> None:
+    site = words[0].lower() == "end"
+    if (words[0] == "ROOT") != (not stack):
+        raise lines.error("a second root" if words[0] == "ROOT" else "a joint outside the root")
+    if len(words) < 2:
+        raise lines.error("a joint without a name")
+    parent = stack[-1] if stack else -1
+    name = f"{nodes[parent].name}Site" if site else "_".join(words[1:])
+    taken = {node.name for node in nodes}
+    if name in taken and not site:
+        raise lines.error(f"two joints are called {name}")
+    name = name if name not in taken else f"{name}{len(nodes)}"
+    if lines.next("'{'") != ["{"]:
+        raise lines.error("expected '{'")
+    nodes.append(_Node(name, parent, lines.number, site=site))
+    stack.append(len(nodes) - 1)
+
+
+def _close_node(lines: _Lines, node: _Node) -> None:
+    if node.offset is None or not (node.site or node.channels):
+        raise lines.error(f"joint {node.name} ends without {'OFFSET' if node.offset is None else 'CHANNELS'}")
+
+
+def _offset(lines: _Lines, words: list[str]) -> tuple[float, ...]:
+    if len(words) != 4:
+        raise lines.error(f"OFFSET: expected 3 numbers, found {len(words) - 1}")
+    return tuple(lines.numbers(words[1:], "OFFSET"))
+
+
+def _set_channels(lines: _Lines, words: list[str], nodes: list[_Node], joint: int) -> None:
+    channels = words[2:]
+    if len(words) < 2 or words[1] != str(len(channels)):
+        raise lines.error(f"CHANNELS: {words[1] if len(words) > 1 else 'none'} announced, {len(channels)} named")
+    unknown = [c for c in channels if c not in _POSITION and c not in _ROTATION]
+    if unknown or len(set(channels)) != len(channels):
+        raise lines.error(f"CHANNELS: {_short(unknown or channels)} is not a set of position and rotation channels")
+    nodes[joint].first_channel = sum(len(node.channels) for node in nodes)
+    nodes[joint].channels = channels
+
+
+def _read_motion(lines: _Lines, channels: int) -> tuple[float, Float[ndarray, "frames channels"]]:
+    words = lines.next("'Frames:'")
+    if words[0] != "Frames:" or len(words) != 2 or not words[1].isdigit():
+        raise lines.error(f"expected 'Frames: N', found {_short(words)}")
+    announced = int(words[1])
+    words = lines.next("'Frame Time:'")
+    if words[:2] != ["Frame", "Time:"] or len(words) != 3:
+        raise lines.error(f"expected 'Frame Time: SECONDS', found {_short(words)}")
+    (frame_time,) = lines.numbers(words[2:], "Frame Time")
+    if frame_time <= 0:
+        raise lines.error(f"Frame Time is {frame_time}; it should be above zero")
+    return frame_time, _read_frames(lines, channels, announced)
+
+
+def _read_frames(lines: _Lines, channels: int, announced: int) -> Float[ndarray, "frames channels"]:
+    rows = []
+    for lines.number in range(lines.number + 1, len(lines.lines) + 1):
+        words = lines.lines[lines.number - 1].split()
+        if not words:
+            continue
+        if len(rows) == announced:
+            raise lines.error(f"more frames than the {announced} announced")
+        if len(words) != channels:
+            raise lines.error(f"frame {len(rows)}: expected {channels} values, found {len(words)}")
+        rows.append(lines.numbers(words, f"frame {len(rows)}"))
+    if len(rows) != announced:
+        raise lines.error(f"the file ends after {len(rows)} of {announced} frames")
+    if not rows:
+        raise lines.error("the file has no frames")
+    return np.array(rows)
+
+
+def _to_clip(path: Path, nodes: list[_Node], fps: float, values: ndarray, metres_per_unit: float | None) -> Clip:
+    local = [_local(node, values) for node in nodes]
+    top = _hips_node(nodes)
+    root_positions, root_rotations = local[0]
+    for node in range(1, top + 1):
+        position, rotation = local[node]
+        matrices = to_matrix(root_rotations)
+        root_positions = root_positions + np.einsum("tij,tj->ti", matrices, position)
+        root_rotations = from_matrix(matrices @ to_matrix(rotation))
+    kept = range(top, len(nodes))
+    skeleton = Skeleton(
+        names=tuple(nodes[n].name for n in kept),
+        parents=tuple(-1 if n == top else nodes[n].parent - top for n in kept),
+        offsets=np.array([np.zeros(3) if n == top else np.median(local[n][0], axis=0) for n in kept]),
+        sites=tuple(nodes[n].site for n in kept),
+    )
+    scale = guess_unit(skeleton) if metres_per_unit is None else metres_per_unit
+    for n in kept[1:]:
+        if np.ptp(local[n][0], axis=0).max() * scale > _STRETCH:
+            raise InputError(f"joint {nodes[n].name} moves against its parent; only the hips may", path, nodes[n].line)
+    return Clip(
+        skeleton=Skeleton(skeleton.names, skeleton.parents, skeleton.offsets * scale, skeleton.sites),
+        fps=round(fps, 2),
+        rotations=np.stack([root_rotations] + [local[n][1] for n in kept[1:]], axis=1),
+        root_positions=root_positions * scale,
+        name=path.stem,
+    )
+
+
+def _hips_node(nodes: list[_Node]) -> int:
+    """The first node from the top with more than one child: what stands above it only carries it."""
+    top = 0
+    while True:
+        children = [n for n, node in enumerate(nodes) if node.parent == top]
+        if len(children) != 1 or nodes[children[0]].site:
+            return top
+        top = children[0]
+
+
+def _local(node: _Node, values: ndarray) -> tuple[ndarray, ndarray]:
+    """A node's translation against its parent (file units) and rotation (wxyz), per frame.
+
+    The position channels count if they are not all zero, else the offset does ([M22] release).
+    """
+    columns = values[:, node.first_channel : node.first_channel + len(node.channels)]
+    position = np.tile(np.array(node.offset, dtype=float), (len(values), 1))
+    moving = [(k, _POSITION[c]) for k, c in enumerate(node.channels) if c in _POSITION]
+    if moving and (node.parent == -1 or np.any(columns[:, [k for k, _ in moving]])):
+        for column, axis in moving:
+            position[:, axis] = columns[:, column]
+    turning = [k for k, c in enumerate(node.channels) if c in _ROTATION]
+    rotation = np.tile([1.0, 0.0, 0.0, 0.0], (len(values), 1))
+    if turning:
+        rotation = from_euler("".join(_ROTATION[node.channels[k]] for k in turning), columns[:, turning])
+    return position, rotation
+
+
+def guess_unit(skeleton: Skeleton) -> float:
+    """Metres per unit of length: the usual unit under which the left leg comes closest to an adult's."""
+    length = sum(np.linalg.norm(skeleton.offsets[j]) for j in skeleton.chain(skeleton.roles.toes[0])[1:])
+    if length < 1e-9:
+        raise InputError("the legs have no length: the unit cannot be guessed")
+    return min(_UNITS, key=lambda unit: abs(np.log(length * unit / _LEG_LENGTH)))
+
+
+def write_bvh(path: str | Path, clip: Clip, *, metres_per_unit: float = CENTIMETRE, order: str = "YXZ") -> None:
+    """Write a clip as BVH, whole or not at all, with rotation channels in `order` (default: that of 100STYLE)."""
+    degrees = to_euler(order, clip.rotations)
+    moving = [j for j in range(len(clip.skeleton)) if not clip.skeleton.sites[j]]
+    columns = np.concatenate(
+        [clip.root_positions / metres_per_unit, degrees[:, moving].reshape(len(clip), -1)], axis=1
+    )
+    lines = ["HIERARCHY", *_hierarchy_lines(clip.skeleton, 0, 0, metres_per_unit, order)]
+    lines += ["MOTION", f"Frames: {len(clip)}", f"Frame Time: {1 / clip.fps:.9f}"]
+    lines += [" ".join(f"{value:.6f}" for value in row) for row in columns]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _hierarchy_lines(skeleton: Skeleton, joint: int, depth: int, unit: float, order: str) -> list[str]:
+    indent, site = "  " * depth, skeleton.sites[joint]
+    kind = "End Site" if site else f"{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}"
+    offset = " ".join(f"{value / unit:.6f}" for value in skeleton.offsets[joint])
+    lines = [f"{indent}{kind}", f"{indent}{{", f"{indent}  OFFSET {offset}"]
+    if not site:
+        positions = " Xposition Yposition Zposition" if joint == 0 else ""
+        rotations = " ".join(f"{axis}rotation" for axis in order)
+        lines.append(f"{indent}  CHANNELS {6 if joint == 0 else 3}{positions} {rotations}")
+    for child in skeleton.children(joint):
+        lines += _hierarchy_lines(skeleton, child, depth + 1, unit, order)
+    return [*lines, f"{indent}}}"]

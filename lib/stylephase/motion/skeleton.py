@@ -1,0 +1,171 @@
+"""The skeleton: a tree of joints, and the roles that the field's methods need (hips, thighs, toes, hands).
+
+Any skeleton will do: joint count, end effectors and mirror pairs come from names and tree, not from constants.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from stylephase.errors import InputError
+
+SIDES = ("left", "right")
+_SIDE_WORDS = {"left": "left", "right": "right", "l": "left", "r": "right"}
+_HIPS = {"hips", "hip", "pelvis"}
+_HAND_WORDS = {"hand", "wrist"}
+_TOE_WORDS = {"toe", "toes", "toebase", "ball"}
+_FOOT_WORDS = {"foot", "ankle"}
+_UPWARD_WORDS = ("neck", "head", "chest", "spine")
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """A tree of joints.
+
+    `names[j]` is joint j's name, `parents[j]` its parent's index (-1 for joint 0, the hips; a parent comes before
+    its children), `offsets[j]` (m) its place in the parent's frame, `sites[j]` whether it is an end site, which
+    never rotates.
+    """
+
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    offsets: Float[ndarray, "joints 3"]
+    sites: tuple[bool, ...]
+
+    def __post_init__(self):
+        if not len(self.names) == len(self.parents) == len(self.offsets) == len(self.sites):
+            raise ValueError(f"expected one parent, offset and site flag for each of {len(self.names)} joints")
+        if self.parents[0] != -1 or any(not 0 <= p < j for j, p in enumerate(self.parents) if j):
+            raise ValueError("expected joint 0 as the only root and each parent before its children")
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def index(self, name: str) -> int:
+        """Index of the joint called `name`; raises InputError with the names there are."""
+        if name not in self.names:
+            raise InputError(f"no joint {name!r}; this skeleton has {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def children(self, joint: int) -> list[int]:
+        """Indices of the direct children of `joint`."""
+        return [j for j, parent in enumerate(self.parents) if parent == joint]
+
+    def chain(self, joint: int) -> list[int]:
+        """Joints from the root down to `joint`, both included."""
+        path = [joint]
+        while self.parents[path[0]] >= 0:
+            path.insert(0, self.parents[path[0]])
+        return path
+
+    @cached_property
+    def roles(self) -> "Roles":
+        """The joints that play a part in the methods, found by name and tree; raises InputError if one is missing."""
+        return find_roles(self)
+
+    @cached_property
+    def mirrored(self) -> Int[ndarray, " joints"]:
+        """For each joint the index of its partner on the other side (itself on the middle line)."""
+        by_words = {_words(name): j for j, name in enumerate(self.names)}
+        return np.array([by_words.get(_swapped(_words(name)), j) for j, name in enumerate(self.names)])
+
+
+@dataclass(frozen=True)
+class Roles:
+    """Joint indices by role. Pairs are (left, right)."""
+
+    hips: int
+    thighs: tuple[int, int]
+    toes: tuple[int, int]
+    hands: tuple[int, int]
+    toe_sensors: tuple[int, int]
+
+    @property
+    def effectors(self) -> tuple[int, int, int, int]:
+        """LeftHand, RightHand, LeftFoot, RightFoot: the order of the local phases ([M22] 4.1.4)."""
+        return (*self.hands, *self.toes)
+
+
+EFFECTOR_NAMES = ("LeftHand", "RightHand", "LeftFoot", "RightFoot")
+
+
+def _words(name: str) -> tuple[str, ...]:
+    """Lower-case words of a joint name: `LeftToeBase`, `Toes_L`, `mixamorig:LeftToeBase` and `lToe` all split."""
+    name = name.split(":")[-1]
+    name = re.sub(r"^([lr])(?=[A-Z])", r"\1_", name)
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
+    return tuple(_SIDE_WORDS.get(part.lower(), part.lower()) for part in parts)
+
+
+def _swapped(words: tuple[str, ...]) -> tuple[str, ...]:
+    other = {"left": "right", "right": "left"}
+    return tuple(other.get(word, word) for word in words)
+
+
+def _find(skeleton: Skeleton, side: str, words: set[str]) -> int | None:
+    """The first joint of `side` whose name has one of `words`, not counting end sites."""
+    found = (
+        j
+        for j, name in enumerate(skeleton.names)
+        if not skeleton.sites[j] and side in _words(name) and words & set(_words(name))
+    )
+    return next(found, None)
+
+
+def _last_hand(skeleton: Skeleton, side: str) -> int | None:
+    """The hand: the outermost joint called hand or wrist that is no finger, or its end site if that lies further out."""
+    finger = re.compile(r"thumb|index|middle|ring|pinky|finger", re.IGNORECASE)
+    found = [
+        j
+        for j, name in enumerate(skeleton.names)
+        if side in _words(name) and _HAND_WORDS & set(_words(name)) and not finger.search(name) and not skeleton.sites[j]
+    ]
+    if not found:
+        return None
+    return _outer_site(skeleton, found[-1])
+
+
+def _outer_site(skeleton: Skeleton, joint: int) -> int:
+    """The end site of `joint` if it has one away from the joint, else the joint itself."""
+    sites = [j for j in skeleton.children(joint) if skeleton.sites[j] and np.linalg.norm(skeleton.offsets[j]) > 1e-4]
+    return sites[0] if len(sites) == 1 else joint
+
+
+def _thigh(skeleton: Skeleton, toe: int, other_toe: int) -> int:
+    """First joint of the toe's own chain that lies away from the hips: some skeletons have joints of no length there."""
+    shared = set(skeleton.chain(other_toe))
+    own = [j for j in skeleton.chain(toe) if j not in shared]
+    return next((j for j in own if np.linalg.norm(skeleton.offsets[j]) > 1e-4), own[0])
+
+
+def find_roles(skeleton: Skeleton) -> Roles:
+    """Find the joints by role. Raises InputError that names the missing role and the joints there are."""
+    toes, hands = [], []
+    for side in SIDES:
+        toe = _find(skeleton, side, _TOE_WORDS)
+        toe = _find(skeleton, side, _FOOT_WORDS) if toe is None else toe
+        hand = _last_hand(skeleton, side)
+        for role, joint in (("foot", toe), ("hand", hand)):
+            if joint is None:
+                raise InputError(
+                    f"cannot tell which joint is the {side} {role}; name the end effectors with --effectors; "
+                    f"this skeleton has {', '.join(skeleton.names)}"
+                )
+        toes.append(toe)
+        hands.append(hand)
+    return roles_from_effectors(skeleton, hands=(hands[0], hands[1]), toes=(toes[0], toes[1]))
+
+
+def roles_from_effectors(skeleton: Skeleton, *, hands: tuple[int, int], toes: tuple[int, int]) -> Roles:
+    """Roles where the end effectors are given (left, right)."""
+    return Roles(
+        hips=0,
+        thighs=(_thigh(skeleton, toes[0], toes[1]), _thigh(skeleton, toes[1], toes[0])),
+        toes=toes,
+        hands=hands,
+        toe_sensors=(_outer_site(skeleton, toes[0]), _outer_site(skeleton, toes[1])),
+    )

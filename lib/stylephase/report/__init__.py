@@ -1,0 +1,1 @@
+"""Figures, skeleton pictures, claims with verdicts, and the notebook runner."""

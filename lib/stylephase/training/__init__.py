@@ -1,0 +1,1 @@
+"""Sampling, losses, the loop, and one preset per experiment."""
