@@ -172,8 +172,8 @@ def _read_motion(lines: _Lines, channels: int) -> tuple[float, Float[ndarray, "f
 
 def _read_frames(lines: _Lines, channels: int, announced: int) -> Float[ndarray, "frames channels"]:
     rows = []
-    for lines.number in range(lines.number + 1, len(lines.lines) + 1):
-        words = lines.lines[lines.number - 1].split()
+    for number in range(lines.number + 1, len(lines.lines) + 1):
+        lines.number, words = number, lines.lines[number - 1].split()
         if not words:
             continue
         if len(rows) == announced:
@@ -257,9 +257,7 @@ def write_bvh(path: str | Path, clip: Clip, *, metres_per_unit: float = CENTIMET
     """Write a clip as BVH, whole or not at all, with rotation channels in `order` (default: that of 100STYLE)."""
     degrees = to_euler(order, clip.rotations)
     moving = [j for j in range(len(clip.skeleton)) if not clip.skeleton.sites[j]]
-    columns = np.concatenate(
-        [clip.root_positions / metres_per_unit, degrees[:, moving].reshape(len(clip), -1)], axis=1
-    )
+    columns = np.concatenate([clip.root_positions / metres_per_unit, degrees[:, moving].reshape(len(clip), -1)], axis=1)
     lines = ["HIERARCHY", *_hierarchy_lines(clip.skeleton, 0, 0, metres_per_unit, order)]
     lines += ["MOTION", f"Frames: {len(clip)}", f"Frame Time: {1 / clip.fps:.9f}"]
     lines += [" ".join(f"{value:.6f}" for value in row) for row in columns]

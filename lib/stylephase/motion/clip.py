@@ -46,7 +46,7 @@ class Pose:
 def forward_kinematics(clip: Clip) -> Pose:
     """Positions and rotations of all joints in the world."""
     local = to_matrix(clip.rotations)
-    positions, rotations = np.empty(local.shape[:2] + (3,)), np.empty_like(local)
+    positions, rotations = np.empty((*local.shape[:2], 3)), np.empty_like(local)
     positions[:, 0], rotations[:, 0] = clip.root_positions, local[:, 0]
     for joint, parent in list(enumerate(clip.skeleton.parents))[1:]:
         rotations[:, joint] = rotations[:, parent] @ local[:, joint]

@@ -37,9 +37,7 @@ def slerp(
     return np.stack(columns, axis=1)
 
 
-def from_axes(
-    forward: Float[ndarray, "*batch 3"], up: Float[ndarray, "*batch 3"]
-) -> Float[ndarray, "*batch 3 3"]:
+def from_axes(forward: Float[ndarray, "*batch 3"], up: Float[ndarray, "*batch 3"]) -> Float[ndarray, "*batch 3 3"]:
     """Rotation matrices whose z axis is `forward` and whose y axis is nearest to `up`; the inputs need not be unit."""
     z = unit(forward)
     x = unit(np.cross(up, z))

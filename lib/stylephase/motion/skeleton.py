@@ -117,12 +117,15 @@ def _find(skeleton: Skeleton, side: str, words: set[str]) -> int | None:
 
 
 def _last_hand(skeleton: Skeleton, side: str) -> int | None:
-    """The hand: the outermost joint called hand or wrist that is no finger, or its end site if that lies further out."""
+    """The outermost joint called hand or wrist that is no finger, or its end site if that lies further out."""
     finger = re.compile(r"thumb|index|middle|ring|pinky|finger", re.IGNORECASE)
     found = [
         j
         for j, name in enumerate(skeleton.names)
-        if side in _words(name) and _HAND_WORDS & set(_words(name)) and not finger.search(name) and not skeleton.sites[j]
+        if side in _words(name)
+        and _HAND_WORDS & set(_words(name))
+        and not finger.search(name)
+        and not skeleton.sites[j]
     ]
     if not found:
         return None
@@ -136,7 +139,7 @@ def _outer_site(skeleton: Skeleton, joint: int) -> int:
 
 
 def _thigh(skeleton: Skeleton, toe: int, other_toe: int) -> int:
-    """First joint of the toe's own chain that lies away from the hips: some skeletons have joints of no length there."""
+    """First joint of the toe's own chain that lies away from the hips: some skeletons have bones of no length there."""
     shared = set(skeleton.chain(other_toe))
     own = [j for j in skeleton.chain(toe) if j not in shared]
     return next((j for j in own if np.linalg.norm(skeleton.offsets[j]) > 1e-4), own[0])
