@@ -62,7 +62,7 @@ def read_json(path: str | Path) -> Any:
 def write_arrays(path: str | Path, **arrays: np.ndarray) -> None:
     """Write an uncompressed npz, whole or not at all."""
     with replacing(path) as temporary, open(temporary, "wb") as handle:
-        np.savez(handle, **arrays)
+        np.savez(handle, allow_pickle=False, **arrays)
 
 
 def sha256(path: str | Path) -> str:

@@ -97,7 +97,7 @@ def _words(name: str) -> tuple[str, ...]:
     """Lower-case words of a joint name: `LeftToeBase`, `Toes_L`, `mixamorig:LeftToeBase` and `lToe` all split."""
     name = name.split(":")[-1]
     name = re.sub(r"^([lr])(?=[A-Z])", r"\1_", name)
-    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
+    parts: list[str] = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
     return tuple(_SIDE_WORDS.get(part.lower(), part.lower()) for part in parts)
 
 
