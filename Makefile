@@ -1,0 +1,56 @@
+# Everything is set up by the first command: a virtual environment in $(VENV) with the packages of constraints.txt.
+DATASET ?= synthetic
+PRESET ?= quick
+CORES ?= 2
+PYTHON ?= python3
+VENV ?= .venv
+BIN = $(VENV)/bin
+
+# Threads beyond the cores make every step slower, and waiting threads must not spin.
+export OMP_NUM_THREADS ?= 1
+export OMP_WAIT_POLICY ?= PASSIVE
+export STYLEPHASE_CACHE ?= build/cache
+ifneq ($(wildcard ../shared/mirror),)
+export STYLEPHASE_MIRROR ?= ../shared/mirror
+endif
+
+# flock lets a second run wait and ends with its process; Snakemake's own lock would outlive a kill.
+SNAKEMAKE = --nolock --rerun-incomplete --quiet host reason
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help reproduce test lint probe setup clean
+
+help: ## list the commands
+	@sed -n 's/^\([a-z]*\):.*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
+	@echo "variables: DATASET=$(DATASET) PRESET=$(PRESET) CORES=$(CORES) PYTHON=$(PYTHON) VENV=$(VENV)"
+
+reproduce: probe ## run all notebooks on DATASET with PRESET, redoing only what changed
+	@mkdir -p build
+	flock build/lock $(BIN)/snakemake $(SNAKEMAKE) --cores $(CORES) --config dataset=$(DATASET) preset=$(PRESET)
+
+test: probe lint ## run all checks
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/set-up ## check style and types
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+setup: $(VENV)/set-up ## only set up the virtual environment
+
+probe: $(VENV)/set-up
+	@$(BIN)/python -m stylephase.report.probe
+
+clean: ## remove what the pipeline made; the virtual environment and fetched data stay
+	rm -rf .snakemake $(filter-out build/cache,$(wildcard build/*))
+
+$(VENV)/set-up: pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "stylephase: $(PYTHON) is older than Python 3.11; name another with PYTHON=" >&2; exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' || \
+		{ echo "stylephase: $(PYTHON) cannot make virtual environments; on Debian: apt-get install python3-venv" >&2; exit 2; }
+	@echo "setting up $(VENV): a minute or two, 2.4 GB"
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install -qq --editable '.[dev]' --constraint constraints.txt
+	@touch $@
