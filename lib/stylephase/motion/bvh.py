@@ -50,6 +50,8 @@ class _Lines:
             raise InputError("no such file", path) from error
         except (UnicodeDecodeError, IsADirectoryError) as error:
             raise InputError("not a BVH file: it is no text file", path) from error
+        except OSError as error:
+            raise InputError(f"cannot read: {error.strerror or error}", path) from error
 
     def next(self, expected: str) -> list[str]:
         """Words of the next line that has any; raises InputError at the end of the file."""
@@ -158,7 +160,7 @@ def _set_channels(lines: _Lines, words: list[str], nodes: list[_Node], joint: in
 
 def _read_motion(lines: _Lines, channels: int) -> tuple[float, Float[ndarray, "frames channels"]]:
     words = lines.next("'Frames:'")
-    if words[0] != "Frames:" or len(words) != 2 or not words[1].isdigit():
+    if words[0] != "Frames:" or len(words) != 2 or not words[1].isdecimal():
         raise lines.error(f"expected 'Frames: N', found {_short(words)}")
     announced = int(words[1])
     words = lines.next("'Frame Time:'")
@@ -171,6 +173,19 @@ def _read_motion(lines: _Lines, channels: int) -> tuple[float, Float[ndarray, "f
 
 
 def _read_frames(lines: _Lines, channels: int, announced: int) -> Float[ndarray, "frames channels"]:
+    """All frames at once where they are as announced; otherwise line by line, to name the line that is wrong."""
+    table = [line for line in lines.lines[lines.number :] if line.strip()]
+    if len(table) == announced > 0:
+        try:
+            values = np.loadtxt(table, comments=None, ndmin=2)
+        except ValueError:
+            return _read_rows(lines, channels, announced)
+        if values.shape[1] == channels and np.isfinite(values).all():
+            return values
+    return _read_rows(lines, channels, announced)
+
+
+def _read_rows(lines: _Lines, channels: int, announced: int) -> Float[ndarray, "frames channels"]:
     rows = []
     for number in range(lines.number + 1, len(lines.lines) + 1):
         lines.number, words = number, lines.lines[number - 1].split()
@@ -189,29 +204,28 @@ def _read_frames(lines: _Lines, channels: int, announced: int) -> Float[ndarray,
 
 
 def _to_clip(path: Path, nodes: list[_Node], fps: float, values: ndarray, metres_per_unit: float | None) -> Clip:
-    local = [_local(node, values) for node in nodes]
+    positions, rotations = [_positions(node, values) for node in nodes], _rotations(nodes, values)
     top = _hips_node(nodes)
-    root_positions, root_rotations = local[0]
+    root_positions, root_rotations = positions[0], rotations[:, 0]
     for node in range(1, top + 1):
-        position, rotation = local[node]
         matrices = to_matrix(root_rotations)
-        root_positions = root_positions + np.einsum("tij,tj->ti", matrices, position)
-        root_rotations = from_matrix(matrices @ to_matrix(rotation))
+        root_positions = root_positions + np.einsum("tij,tj->ti", matrices, positions[node])
+        root_rotations = from_matrix(matrices @ to_matrix(rotations[:, node]))
     kept = range(top, len(nodes))
     skeleton = Skeleton(
         names=tuple(nodes[n].name for n in kept),
         parents=tuple(-1 if n == top else nodes[n].parent - top for n in kept),
-        offsets=np.array([np.zeros(3) if n == top else np.median(local[n][0], axis=0) for n in kept]),
+        offsets=np.array([np.zeros(3) if n == top else np.median(positions[n], axis=0) for n in kept]),
         sites=tuple(nodes[n].site for n in kept),
     )
     scale = guess_unit(skeleton) if metres_per_unit is None else metres_per_unit
     for n in kept[1:]:
-        if np.ptp(local[n][0], axis=0).max() * scale > _STRETCH:
+        if np.ptp(positions[n], axis=0).max() * scale > _STRETCH:
             raise InputError(f"joint {nodes[n].name} moves against its parent; only the hips may", path, nodes[n].line)
     return Clip(
         skeleton=Skeleton(skeleton.names, skeleton.parents, skeleton.offsets * scale, skeleton.sites),
         fps=round(fps, 2),
-        rotations=np.stack([root_rotations] + [local[n][1] for n in kept[1:]], axis=1),
+        rotations=np.concatenate([root_rotations[:, None], rotations[:, kept[1:]]], axis=1),
         root_positions=root_positions * scale,
         name=path.stem,
     )
@@ -227,22 +241,30 @@ def _hips_node(nodes: list[_Node]) -> int:
         top = children[0]
 
 
-def _local(node: _Node, values: ndarray) -> tuple[ndarray, ndarray]:
-    """A node's translation against its parent (file units) and rotation (wxyz), per frame.
+def _positions(node: _Node, values: Float[ndarray, "frames channels"]) -> Float[ndarray, "frames 3"]:
+    """A node's translation against its parent (file units), per frame.
 
     The position channels count if they are not all zero, else the offset does ([M22] release).
     """
-    columns = values[:, node.first_channel : node.first_channel + len(node.channels)]
     position = np.tile(np.array(node.offset, dtype=float), (len(values), 1))
-    moving = [(k, _POSITION[c]) for k, c in enumerate(node.channels) if c in _POSITION]
-    if moving and (node.parent == -1 or np.any(columns[:, [k for k, _ in moving]])):
-        for column, axis in moving:
-            position[:, axis] = columns[:, column]
-    turning = [k for k, c in enumerate(node.channels) if c in _ROTATION]
-    rotation = np.tile([1.0, 0.0, 0.0, 0.0], (len(values), 1))
-    if turning:
-        rotation = from_euler("".join(_ROTATION[node.channels[k]] for k in turning), columns[:, turning])
-    return position, rotation
+    moving = {_POSITION[c]: node.first_channel + k for k, c in enumerate(node.channels) if c in _POSITION}
+    columns = list(moving.values())
+    if node.parent == -1 or np.any(values[:, columns]):
+        position[:, list(moving)] = values[:, columns]
+    return position
+
+
+def _rotations(nodes: list[_Node], values: Float[ndarray, "frames channels"]) -> Float[ndarray, "frames nodes 4"]:
+    """Rotations against the parents (wxyz), per frame; nodes of the same channel order go in one call, for speed."""
+    rotations = np.tile([1.0, 0.0, 0.0, 0.0], (len(values), len(nodes), 1))
+    alike: dict[str, dict[int, list[int]]] = {}
+    for n, node in enumerate(nodes):
+        turning = {node.first_channel + k: _ROTATION[c] for k, c in enumerate(node.channels) if c in _ROTATION}
+        if turning:
+            alike.setdefault("".join(turning.values()), {})[n] = list(turning)
+    for order, columns in alike.items():
+        rotations[:, list(columns)] = from_euler(order, values[:, list(columns.values())])
+    return rotations
 
 
 def guess_unit(skeleton: Skeleton) -> float:
