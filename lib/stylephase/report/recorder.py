@@ -1,0 +1,126 @@
+"""Recording what a notebook measured: its last cell writes figures/NN_name.json."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stylephase.errors import InputError
+from stylephase.files import write_json
+from stylephase.report.claims import (
+    DIFFERS,
+    NOT_TESTABLE,
+    Record,
+    Result,
+    Value,
+    entry_fault,
+    entry_of,
+    read_claims,
+    verdict_of,
+)
+from stylephase.report.manifest import ROOT, manifest
+
+QUICK, QUICK_NOTE = "quick", "the quick preset only shows that every step runs"
+
+
+class Recorder:
+    """Collects a notebook's results and writes them in one piece.
+
+    `notebook` is the notebook's name (`04_training`), `dataset` and `preset` what it ran with, `params` all of its
+    parameters, `data_files` the files that its numbers rest on (their hash goes into the manifest).
+    """
+
+    def __init__(
+        self,
+        notebook: str,
+        *,
+        dataset: str,
+        preset: str,
+        params: dict[str, Any],
+        data_files: Iterable[Path] = (),
+        root: Path = ROOT,
+    ):
+        self.notebook, self.dataset, self.preset, self.params = notebook, dataset, preset, params
+        self.root, self.data_files = root, list(data_files)
+        self.catalogue = read_claims(root / "data" / "claims.toml")
+        self.entries: dict[str, dict[str, Any]] = {}
+        self.numbers: dict[str, dict[str, Any]] = {}
+
+    def claim(
+        self,
+        identifier: str,
+        *,
+        value: Any = None,
+        verdict: str | None = None,
+        n: int | None = None,
+        seeds: Sequence[int] = (),
+        tolerance: Value | None = None,
+        note: str = "",
+        dataset: str | None = None,
+    ) -> str:
+        """Record one claim and return its verdict.
+
+        Without a `verdict` the bounds in claims.toml decide, and where the `dataset` of this claim (the notebook's
+        unless given) is not the claim's, a bound that holds is "reproduced on other data". `n` is the number of
+        cases behind the value. Raises InputError for an unknown claim, one of another notebook, one recorded
+        twice, and a verdict that is missing, contradicts the bounds or lacks its note.
+        """
+        claim = self.catalogue.claims.get(identifier)
+        if claim is None:
+            raise InputError(f"{identifier} is not in claims.toml")
+        if identifier in self.entries:
+            raise InputError(f"{identifier} is recorded twice")
+        value = _plain(value)
+        if verdict is None:
+            if not claim.bounded or value is None:
+                raise InputError(f"{identifier} needs a verdict: it has no {'value' if claim.bounded else 'bounds'}")
+            other = bool(claim.data) and claim.data != (dataset or self.dataset)
+            verdict = verdict_of(value, at_least=claim.at_least, at_most=claim.at_most, other_data=other)
+        if verdict == DIFFERS and not note and self.preset == QUICK:
+            note = QUICK_NOTE
+        measured = {"value": value, "verdict": verdict, "n": n, "seeds": list(seeds), "note": note}
+        entry = entry_of(claim, tolerance=tolerance if tolerance is not None else claim.bounds or None, **measured)
+        if reason := entry_fault(entry, self.notebook, self.catalogue):
+            raise InputError(reason)
+        self.entries[identifier] = entry
+        return verdict
+
+    def not_testable(self, identifier: str, needs: str) -> None:
+        """Record that a claim cannot be tested here, and what a test needs."""
+        self.claim(identifier, verdict=NOT_TESTABLE, note=needs)
+
+    def number(self, name: str, value: Any, unit: str = "") -> None:
+        """Record a number that belongs to no claim but is quoted in the text or compared by a test."""
+        self.numbers[name] = {"value": _plain(value), "unit": unit}
+
+    @property
+    def record(self) -> Record:
+        """What has been recorded so far, as it would be read back; the manifest is left empty."""
+        return Record(self.notebook, tuple(Result(**entry) for entry in self.entries.values()), self.numbers, {})
+
+    def folder(self, folder: str | Path) -> Path:
+        """The folder of figures: a relative one lies in the repository, wherever the notebook was started."""
+        return self.root / folder
+
+    def write(self, folder: str | Path) -> None:
+        """Write NN_name.json into the folder, whole or not at all."""
+        facts = manifest(
+            notebook=self.notebook,
+            dataset=self.dataset,
+            preset=self.preset,
+            params=self.params,
+            data_files=self.data_files,
+            root=self.root,
+        )
+        whole: dict[str, Any] = {"claims": list(self.entries.values()), "manifest": facts}
+        if self.numbers:
+            whole["numbers"] = self.numbers
+        write_json(self.folder(folder) / f"{self.notebook}.json", whole)
+
+
+def _plain(value: Any) -> Any:
+    """NumPy scalars and arrays as Python's own numbers and lists, tuples as lists."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return list(value) if isinstance(value, tuple) else value

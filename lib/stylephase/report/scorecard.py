@@ -1,0 +1,170 @@
+"""The scorecard: every claim with the paper's value, ours and a verdict, as Markdown.
+
+`python -m stylephase.report.scorecard --write` brings the README's section and the statuses in data/claims.toml into
+step with figures/*.json; `--check` fails where they are stale.
+"""
+
+import argparse
+import re
+import sys
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from stylephase.errors import InputError
+from stylephase.files import write_text
+from stylephase.report.claims import (
+    DIFFERS,
+    NOT_TESTABLE,
+    PAPERS,
+    STATUSES,
+    VERDICTS,
+    Catalogue,
+    Claim,
+    Record,
+    Result,
+    read_claims,
+    read_records,
+    recorded_ids,
+)
+from stylephase.report.manifest import ROOT
+
+OPEN, RECORDED = STATUSES
+OUTCOMES = (*VERDICTS, OPEN)
+BEGIN, END = "<!-- scorecard -->", "<!-- /scorecard -->"
+HEADER = "| Where | Claim | Paper | Ours | Verdict | Notebook |\n|---|---|---|---|---|---|"
+
+
+def results_of(records: Iterable[Record]) -> dict[str, Result]:
+    """All results by the id of their claim."""
+    return {result.id: result for record in records for result in record.results}
+
+
+def counts(catalogue: Catalogue, records: Iterable[Record]) -> dict[str, Counter[str]]:
+    """For each paper the number of claims with each verdict, and of those still open."""
+    results = results_of(records)
+    table = {paper: Counter({outcome: 0 for outcome in OUTCOMES}) for paper in PAPERS}
+    for claim in catalogue.claims.values():
+        table[claim.paper][results[claim.id].verdict if claim.id in results else OPEN] += 1
+    return table
+
+
+def summary_line(catalogue: Catalogue, records: Iterable[Record]) -> str:
+    """One sentence: how many claims there are and how many have each outcome."""
+    whole = sum(counts(catalogue, records).values(), Counter())
+    return f"{len(catalogue.claims)} claims: " + ", ".join(f"{whole[outcome]} {outcome}" for outcome in OUTCOMES) + "."
+
+
+def summary(catalogue: Catalogue, records: Iterable[Record]) -> str:
+    """The summary line and a table of counts, a row for each paper."""
+    table = counts(catalogue, records)
+    lines = [summary_line(catalogue, records), "", f"| | {' | '.join(OUTCOMES)} |", "|---" * (len(OUTCOMES) + 1) + "|"]
+    for paper, title in PAPERS.items():
+        lines.append(f"| {title} | " + " | ".join(str(table[paper][outcome]) for outcome in OUTCOMES) + " |")
+    return "\n".join(lines)
+
+
+def tables(catalogue: Catalogue, records: Iterable[Record], links: str, only_tested: bool = False) -> str:
+    """A table for each paper, its rows in the order of the sections; `links` leads from the text to the notebooks."""
+    results, parts = results_of(records), []
+    for paper, title in PAPERS.items():
+        claims = [c for c in catalogue.claims.values() if c.paper == paper and (c.id in results or not only_tested)]
+        if claims:
+            rows = [row(claim, results.get(claim.id), links) for claim in claims]
+            parts.append("\n".join([f"**{title[0].upper()}{title[1:]}**", "", HEADER, *rows]))
+    return "\n\n".join(parts)
+
+
+def row(claim: Claim, result: Result | None, links: str) -> str:
+    """One row: a reason stands beside a verdict that needs one."""
+    verdict = result.verdict if result else OPEN
+    if result and verdict in (DIFFERS, NOT_TESTABLE):
+        verdict = f"{verdict}: {result.note}"
+    asked = shown(claim.paper_value, claim.unit) if claim.paper_value is not None else claim.bounds
+    ours = shown(result.value, claim.unit) if result else ""
+    notebook = f"[{claim.notebook[:2]}]({links}{claim.notebook}.ipynb)" if result else claim.notebook[:2]
+    return "| " + " | ".join(_cell(part) for part in (claim.where, claim.name, asked, ours, verdict, notebook)) + " |"
+
+
+def shown(value: Any, unit: str) -> str:
+    """A value with its unit: digits grouped by thousands, four significant ones after a point."""
+    if value is None:
+        return ""
+    if isinstance(value, list):
+        return f"{' / '.join(shown(part, '') for part in value)} {unit}".rstrip()
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    text = value if isinstance(value, str) else f"{value:,}" if isinstance(value, int) else f"{value:.4g}"
+    return f"{text} {unit}".rstrip()
+
+
+def section(catalogue: Catalogue, records: Sequence[Record]) -> str:
+    """The README's section, markers included: counts first, then the claims that have been tested, folded away."""
+    parts = [BEGIN, summary(catalogue, records), ""]
+    if tested := tables(catalogue, records, "notebooks/", only_tested=True):
+        parts += ["<details><summary>The claims tested so far</summary>", "", tested, "", "</details>", ""]
+    return "\n".join([*parts, "The full list, open claims too: [notebook 00](notebooks/00_scorecard.ipynb).", END])
+
+
+def with_section(text: str, new: str, path: Path) -> str:
+    """`text` with its scorecard replaced; raises InputError where the markers are missing."""
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise InputError(f"expected the markers {BEGIN} and {END}", path)
+    return before + new + after
+
+
+def with_statuses(text: str, recorded: Iterable[str]) -> str:
+    """The text of claims.toml with each claim's status as the records have it."""
+    recorded = set(recorded)
+    pattern = re.compile(r'^(id = "(?P<id>[^"]+)"\n(?:(?!\[\[)[^\n]+\n)*?status = )"\w+"$', re.MULTILINE)
+    return pattern.sub(lambda match: f'{match[1]}"{RECORDED if match["id"] in recorded else OPEN}"', text)
+
+
+def expected_files(root: Path = ROOT) -> dict[Path, str]:
+    """What README.md and data/claims.toml should hold, by path."""
+    readme, listed = root / "README.md", root / "data" / "claims.toml"
+    catalogue = read_claims(listed)
+    records = read_records(root / "figures", catalogue)
+    return {
+        readme: with_section(readme.read_text(encoding="utf-8"), section(catalogue, records), readme),
+        listed: with_statuses(listed.read_text(encoding="utf-8"), recorded_ids(records)),
+    }
+
+
+def stale_files(root: Path = ROOT) -> list[Path]:
+    """Those of the two files that are out of step with figures/*.json."""
+    return [path for path, text in expected_files(root).items() if path.read_text(encoding="utf-8") != text]
+
+
+def main(arguments: Sequence[str] | None = None, root: Path = ROOT) -> int:
+    """Write, check or print the scorecard; exit status 1 where it is stale, 2 for bad input."""
+    parser = argparse.ArgumentParser(prog="python -m stylephase.report.scorecard", description=__doc__)
+    parser.add_argument("--write", action="store_true", help="update README.md and data/claims.toml")
+    parser.add_argument("--check", action="store_true", help="fail where they are stale")
+    asked = parser.parse_args(arguments)
+    try:
+        stale = stale_files(root)
+        if asked.write:
+            for path in stale:
+                write_text(path, expected_files(root)[path])
+        elif asked.check and stale:
+            names = ", ".join(str(path.relative_to(root)) for path in stale)
+            print(f"stale: {names}; run python -m stylephase.report.scorecard --write", file=sys.stderr)
+            return 1
+        catalogue = read_claims(root / "data" / "claims.toml")
+        print(summary_line(catalogue, read_records(root / "figures", catalogue)))
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
