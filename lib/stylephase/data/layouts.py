@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from stylephase.data.registry import DATA
 from stylephase.errors import InputError
 from stylephase.files import sha256
 
@@ -82,17 +83,33 @@ def _100style(folder: Path) -> Iterator[Entry]:
     if not lists:
         return
     top = lists[0].parent
-    styles = {row["Style Name"]: (row, line) for row, line in _rows(lists[0], "Style Name", "Symmetric", "Stochastic")}
+    columns = ("Symmetric", "Stochastic")
+    flags = {
+        row["Style Name"]: [_flag(row, column, lists[0], line) for column in columns]
+        for row, line in _rows(lists[0], "Style Name", *columns)
+    }
     cuts = top / "Frame_Cuts.csv"
     for row, line in _rows(cuts, "STYLE_NAME"):
         style = row["STYLE_NAME"]
-        if style not in styles:
+        if style not in flags:
             raise InputError(f"style {style} is not in {lists[0].name}", cuts, line)
-        flags = [_flag(styles[style][0], column, lists[0], styles[style][1]) for column in ("Symmetric", "Stochastic")]
         for gait, start, stop in _cuts(row, cuts, line):
             path = top / style / f"{style}_{gait}.bvh"
             if path.exists():
-                yield Entry(path, style, gait, start, stop, *flags)
+                yield Entry(path, style, gait, start, stop, *flags[style])
+
+
+def published_entries(path: Path = DATA / "100style.csv") -> tuple[Entry, ...]:
+    """All takes of 100STYLE as published, from the list kept in this project; their paths are relative.
+
+    Table 1 of [M22] follows from the lengths of these cuts.
+    """
+    entries = []
+    for row, line in _rows(path, "style", "symmetric", "stochastic"):
+        style, flags = row["style"], [_flag(row, column, path, line) for column in ("symmetric", "stochastic")]
+        for gait, start, stop in _cuts(row, path, line):
+            entries.append(Entry(Path(style, f"{style}_{gait}.bvh"), style, gait, start, stop, *flags))
+    return tuple(entries)
 
 
 def _rows(path: Path, *columns: str) -> Iterator[tuple[dict[str, str], int]]:
