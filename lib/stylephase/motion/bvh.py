@@ -276,7 +276,12 @@ def guess_unit(skeleton: Skeleton) -> float:
 
 
 def write_bvh(path: str | Path, clip: Clip, *, metres_per_unit: float = CENTIMETRE, order: str = "YXZ") -> None:
-    """Write a clip as BVH, whole or not at all, with rotation channels in `order` (default: that of 100STYLE)."""
+    """Write a clip as BVH, whole or not at all, with rotation channels in `order` (default: that of 100STYLE).
+
+    Raises InputError, and writes nothing, if a number is not finite.
+    """
+    if not (np.isfinite(clip.rotations).all() and np.isfinite(clip.root_positions).all()):
+        raise InputError("not written: a number of the clip is not finite", path)
     degrees = to_euler(order, clip.rotations)
     moving = [j for j in range(len(clip.skeleton)) if not clip.skeleton.sites[j]]
     columns = np.concatenate([clip.root_positions / metres_per_unit, degrees[:, moving].reshape(len(clip), -1)], axis=1)

@@ -22,8 +22,12 @@ def from_euler(order: str, degrees: Float[ndarray, "*batch axes"]) -> Float[ndar
 
 
 def to_euler(order: str, quaternions: Float[ndarray, "*batch 4"]) -> Float[ndarray, "*batch 3"]:
-    """Intrinsic Euler angles (degrees) in a BVH channel order such as `ZXY`."""
-    return Rotation.from_quat(quaternions, scalar_first=True).as_euler(order, degrees=True)
+    """Intrinsic Euler angles (degrees) in a BVH channel order such as `ZXY`.
+
+    Where two axes fall together (gimbal lock) the third angle is 0; the rotation is the same.
+    """
+    rotation = Rotation.from_quat(quaternions, scalar_first=True)
+    return rotation.as_euler(order, degrees=True, suppress_warnings=True)
 
 
 def slerp(
