@@ -14,9 +14,6 @@ ifneq ($(wildcard ../shared/mirror),)
 export STYLEPHASE_MIRROR ?= ../shared/mirror
 endif
 
-# flock lets a second run wait and ends with its process; Snakemake's own lock would outlive a kill.
-SNAKEMAKE = --nolock --rerun-incomplete --quiet host reason
-
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help reproduce test lint probe setup clean
@@ -25,9 +22,12 @@ help: ## list the commands
 	@sed -n 's/^\([a-z]*\):.*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
 	@echo "variables: DATASET=$(DATASET) PRESET=$(PRESET) CORES=$(CORES) PYTHON=$(PYTHON) VENV=$(VENV)"
 
+# flock lets a second run wait, and ends with its process; Snakemake's own lock would outlive a kill.
 reproduce: probe ## run all notebooks on DATASET with PRESET, redoing only what changed
 	@mkdir -p build
-	flock build/lock $(BIN)/snakemake $(SNAKEMAKE) --cores $(CORES) --config dataset=$(DATASET) preset=$(PRESET)
+	@PATH=$(abspath $(BIN)):$$PATH flock build/lock snakemake --cores $(CORES) --nolock --rerun-incomplete \
+		--config 'dataset=$(DATASET)' preset=$(PRESET) 2> build/pipeline.log || \
+		{ echo "stylephase: the pipeline stopped; build/pipeline.log tells where" >&2; exit 2; }
 
 test: probe lint ## run all checks
 	$(BIN)/python -m pytest
@@ -52,5 +52,5 @@ $(VENV)/set-up: pyproject.toml constraints.txt
 		{ echo "stylephase: $(PYTHON) cannot make virtual environments; on Debian: apt-get install python3-venv" >&2; exit 2; }
 	@echo "setting up $(VENV): a minute or two, 2.4 GB"
 	@$(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install -qq --editable '.[dev]' --constraint constraints.txt
+	@$(BIN)/python -m pip install -qq --no-compile --editable '.[dev]' --constraint constraints.txt
 	@touch $@

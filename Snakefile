@@ -1,0 +1,109 @@
+# The pipeline: data -> vectors of each style -> training -> evaluation -> notebooks.
+# `make reproduce` runs it. Every rule calls the command line, which writes its files whole or not at all, so an
+# interrupted run goes on where it stopped, and a second one redoes only what changed: inputs, options, or code.
+import json
+from pathlib import Path
+
+DATASET, PRESET = config.get("dataset", "synthetic"), config.get("preset", "quick")
+MODELS = config.get("models", "lpn-film").split(",")
+SEEDS = str(config.get("seeds", "0")).split(",")
+
+# A data set's name may hold a path (own:FOLDER), a folder's name may not.
+SET = DATASET.replace(":", "-").replace("/", "-")
+RUNS = [f"{model}-seed{seed}" for model in MODELS for seed in SEEDS]
+NOTEBOOKS = sorted(path.stem for path in Path("notebooks").glob("[0-9][0-9]_*.py"))
+LAYERS = "motion data phase features models training runtime evaluation report".split()
+
+DATA = f"build/data/{SET}.json"
+RUN = f"build/runs/{SET}-{PRESET}-{{run}}"
+FIGURES = f"build/figures/{SET}-{PRESET}"
+COPIES = f"build/notebooks/{SET}-{PRESET}"
+
+# Jobs speak on standard output, so that `make` can send Snakemake's own account of them to a file.
+shell.prefix("set -euo pipefail; exec 2>&1; ")
+
+wildcard_constraints:
+    style="[^/]+", model="[a-z-]+", seed="[0-9]+", run="[a-z-]+-seed[0-9]+", notebook="[0-9]{2}_[a-z_]+"
+
+
+def code(layer):
+    """The library's files up to and with a layer: a step that uses the layer is redone when one of them changes."""
+    layers = LAYERS[: LAYERS.index(layer) + 1]
+    return sorted(str(path) for name in layers for path in Path("lib/stylephase", name).rglob("*.py"))
+
+
+def styles(_):
+    """The vectors of every style, known once the data are there."""
+    checkpoints.data.get()
+    return [f"build/vectors/{SET}/{style}.json" for style in json.loads(Path(DATA).read_text())["frames_by_style"]]
+
+
+def needs(wildcards):
+    """What a notebook reads: the data, the other notebooks' numbers, or the trained runs."""
+    if wildcards.notebook in ("01_data_and_skeleton", "02_local_phases"):
+        return DATA
+    if wildcards.notebook == "00_scorecard":
+        return [f"{FIGURES}/{name}.json" for name in NOTEBOOKS if name != wildcards.notebook]
+    return expand(f"{RUN}/evaluation.json", run=RUNS)
+
+
+rule all:
+    localrule: True
+    input: expand(f"{COPIES}/{{notebook}}.ipynb", notebook=NOTEBOOKS), DATA
+    shell: "echo 'The executed notebooks lie in {COPIES}, their numbers in {FIGURES}'"
+
+
+checkpoint data:
+    input: "data/registry.toml", code("data")
+    output: DATA
+    shell:
+        """
+        echo "Fetching and checking {DATASET}"
+        stylephase data check {DATASET:q} --json > {output:q}
+        """
+
+
+rule vectors:
+    input: DATA, code("features")
+    output: f"build/vectors/{SET}/{{style}}.json"
+    shell:
+        """
+        echo "Vectors of {wildcards.style}"
+        stylephase vectors --data {DATASET:q} --styles {wildcards.style:q} --json > {output:q}
+        """
+
+
+# The checkpoints in the run's folder are no outputs, so Snakemake leaves them when the step is interrupted.
+rule train:
+    input: styles, code("training")
+    output: f"build/runs/{SET}-{PRESET}-{{model}}-seed{{seed}}/training.json"
+    params: folder=lambda wildcards, output: Path(output[0]).parent
+    threads: max(1, workflow.cores // len(RUNS))
+    shell:
+        """
+        echo "Training {wildcards.model} on {DATASET}, preset {PRESET}, seed {wildcards.seed}"
+        stylephase train --model {wildcards.model} --data {DATASET:q} --preset {PRESET} --seed {wildcards.seed} \
+            --out {params.folder:q} --resume --json > {output:q}
+        """
+
+
+rule evaluate:
+    input: f"{RUN}/training.json", code("evaluation")
+    output: f"{RUN}/evaluation.json"
+    params: folder=lambda wildcards, output: Path(output[0]).parent
+    shell:
+        """
+        echo "Test errors of {wildcards.run}"
+        stylephase evaluate --weights {params.folder:q} --data {DATASET:q} --json > {output:q}
+        """
+
+
+rule notebook:
+    input: "notebooks/{notebook}.py", needs, code("report")
+    output: f"{COPIES}/{{notebook}}.ipynb", f"{FIGURES}/{{notebook}}.json"
+    shell:
+        """
+        echo "Notebook {wildcards.notebook}"
+        python -m stylephase.report.notebooks run {wildcards.notebook} --out {COPIES:q} \
+            --param dataset {DATASET:q} --param preset {PRESET} --param figures_folder {FIGURES:q}
+        """

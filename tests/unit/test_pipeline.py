@@ -1,0 +1,92 @@
+"""The Snakefile with a command line that only notes its calls: what is done, in which order, and not twice."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+# Stands for `stylephase` and for the runner of notebooks: notes the call and writes what the call promises.
+_NOTING = """#!{python}
+import pathlib, sys, time
+words = sys.argv[1:]
+notebook = words[:2] == ["-m", "stylephase.report.notebooks"]
+note = "notebook " + words[3] if notebook else " ".join(words[:2] if words[0] == "data" else words[:1])
+if note == "train" and pathlib.Path("slow").exists():
+    pathlib.Path("slow").unlink()
+    time.sleep(60)
+with open("calls", "a") as calls:
+    print(note, file=calls)
+if notebook:
+    for folder, kind in ((words[5], "ipynb"), (words[-1], "json")):
+        pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
+        pathlib.Path(folder, words[3] + "." + kind).touch()
+else:
+    print('{{"frames_by_style": {{"Old": 3, "Very old": 4}}}}')
+"""
+_AFTER_VECTORS = ["evaluate", "notebook 00_scorecard", "notebook 04_training", "train"]
+_NOTEBOOKS = ("00_scorecard", "01_data_and_skeleton", "04_training")
+
+
+@pytest.fixture
+def tree(root, tmp_path) -> Path:
+    """A small copy of the repository's shape, with the real Snakefile."""
+    shutil.copy(root / "Snakefile", tmp_path)
+    files = ["data/registry.toml", "lib/stylephase/motion/clip.py", "lib/stylephase/models/film.py"]
+    for name in [*files, *(f"notebooks/{name}.py" for name in _NOTEBOOKS)]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(name)
+    for name in ("stylephase", "python"):
+        command = tmp_path / "bin" / name
+        command.parent.mkdir(exist_ok=True)
+        command.write_text(_NOTING.format(python=sys.executable))
+        command.chmod(0o755)
+    return tmp_path
+
+
+def _start(tree: Path) -> subprocess.Popen[str]:
+    snakemake = [sys.executable, "-m", "snakemake", "--cores", "2", "--nolock", "--rerun-incomplete"]
+    environment = {**os.environ, "PATH": f"{tree / 'bin'}:{os.environ['PATH']}", "XDG_CACHE_HOME": str(tree / "cache")}
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    return subprocess.Popen(snakemake, cwd=tree, env=environment, start_new_session=True, **streams)
+
+
+def _run(tree: Path) -> list[str]:
+    """The calls of one complete run, sorted."""
+    (tree / "calls").unlink(missing_ok=True)
+    with _start(tree) as process:
+        out, _ = process.communicate(timeout=60)
+    assert process.returncode == 0, out
+    return sorted((tree / "calls").read_text().splitlines()) if (tree / "calls").exists() else []
+
+
+def test_a_second_run_redoes_only_what_changed(tree):
+    everything = ["data check", "notebook 01_data_and_skeleton", "vectors", "vectors", *_AFTER_VECTORS]
+    assert _run(tree) == sorted(everything)
+    assert _run(tree) == []
+    (tree / "lib/stylephase/models/film.py").write_text("another")
+    assert _run(tree) == sorted(["notebook 01_data_and_skeleton", *_AFTER_VECTORS])
+
+
+def test_an_interrupted_run_goes_on(tree):
+    """Killed in the middle of the training, with its folder full of checkpoints: nothing before it is repeated."""
+    slow, kept = tree / "slow", tree / "build/runs/synthetic-quick-lpn-film-seed0/checkpoint"
+    slow.touch()
+    kept.parent.mkdir(parents=True)
+    kept.touch()
+    with _start(tree) as process:
+        for line in process.stdout:
+            if line.startswith("Training"):
+                break
+        while slow.exists():
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGKILL)
+    before = (tree / "calls").read_text().splitlines()
+    assert {"data check", "vectors"} <= set(before)
+    after = _run(tree)
+    assert set(_AFTER_VECTORS) <= set(after) and "data check" not in after and "vectors" not in after
+    assert kept.exists()
