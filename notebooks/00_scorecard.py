@@ -13,13 +13,12 @@
 #   of motion scales and shifts the hidden layers.
 #
 # Every claim, table row and figure of both is listed in `data/claims.toml`, each with the notebook that tests it.
-# That notebook records what it found in `figures/`. This one reads both and shows the balance; nothing is typed by hand.
+# That notebook records what it found in `figures/`. This one reads both and shows the balance.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run whose results are shown
 preset: str = "quick"  # preset of that run
-results_folder: str = "build/figures"  # folder of the results to show
-figures_folder: str = "build/figures"  # folder that the picture and the numbers of this notebook go to
+figures_folder: str = "build/figures"  # folder of pictures and numbers, to show and to add to
 reproduce_minutes: float = 0.0  # measured duration of make reproduce, 0 when it was not measured
 test_minutes: float = 0.0  # measured duration of make test, 0 when it was not measured
 
@@ -36,8 +35,8 @@ from stylephase.report.recorder import Recorder
 
 listed = ROOT / "data" / "claims.toml"
 catalogue = read_claims(listed)
-records = read_records(ROOT / results_folder, catalogue)
-others = [record for record in records if record.notebook != "00_scorecard"]
+results = ROOT / figures_folder
+others = [record for record in read_records(results, catalogue) if record.notebook != "00_scorecard"]
 
 # %% [markdown]
 # ## What this notebook adds
@@ -46,8 +45,8 @@ others = [record for record in records if record.notebook != "00_scorecard"]
 # everything, and to check everything, on two cores. They are open until someone has measured them.
 
 # %%
-params = {"results_folder": results_folder, "reproduce_minutes": reproduce_minutes, "test_minutes": test_minutes}
-files = [listed, *(ROOT / results_folder / f"{record.notebook}.json" for record in others)]
+params = {"figures_folder": figures_folder, "reproduce_minutes": reproduce_minutes, "test_minutes": test_minutes}
+files = [listed, *(results / f"{record.notebook}.json" for record in others)]
 recorder = Recorder("00_scorecard", dataset=dataset, preset=preset, params=params, data_files=files)
 measured = {"ours-reproduce-minutes": reproduce_minutes, "ours-test-minutes": test_minutes}
 for identifier, minutes in measured.items():
@@ -109,7 +108,7 @@ figure.legend(loc="outside upper center", ncols=len(COLOURS), frameon=False)
 figure.canvas.draw()
 pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
 alt = f"Three bars, one for each group of claims, divided by verdict. {scorecard.summary_line(catalogue, records)}"
-write_png(recorder.folder(figures_folder) / "00_scorecard.png", pixels, alt=alt)
+write_png(results / "00_scorecard.png", pixels, alt=alt)
 
 # %% [markdown]
 # What to look for: the pale part is what nobody has looked at yet; orange asks for its reason, in the list below.

@@ -8,6 +8,8 @@ A notebook is a percent script, notebooks/NN_name.py. Beside it lies NN_name.ipy
 """
 
 import argparse
+import copy
+import re
 import sys
 import tempfile
 import time
@@ -85,7 +87,7 @@ def write_notebook(notebook: NotebookNode, path: Path) -> None:
 
 def clean(notebook: NotebookNode) -> NotebookNode:
     """A copy of an executed notebook without what changes from run to run: times, places, progress bars."""
-    notebook = nbformat.from_dict(notebook)
+    notebook = copy.deepcopy(notebook)
     notebook.metadata = NotebookNode(kernelspec=NotebookNode(KERNEL), language_info=NotebookNode(name="python"))
     for number, cell in enumerate(notebook.cells):
         tags = cell.metadata.get("tags")
@@ -93,7 +95,7 @@ def clean(notebook: NotebookNode) -> NotebookNode:
         # A cell of parameters that papermill added has a random name.
         cell.id = f"cell-{number:02d}"
         if cell.cell_type == "code":
-            cell.outputs = [output for output in cell.outputs if not _is_progress(output)]
+            cell.outputs = _settled(cell.outputs)
     return notebook
 
 
@@ -102,8 +104,8 @@ def run(
     given: Mapping[str, Any],
     *,
     out: Path | None = None,
-    cell_seconds: float = 7200,
-    run_seconds: float = 14400,
+    cell_seconds: float = 7200.0,
+    run_seconds: float = 14400.0,
     root: Path = ROOT,
 ) -> Path:
     """Execute a notebook from the top folder of the repository and return the executed copy in `out`.
@@ -139,7 +141,6 @@ def _execute(prepared: Path, partial: Path, values: dict[str, Any], clock: Clock
             kernel_name=KERNEL["name"],
             progress_bar=sys.stderr.isatty(),
             timeout_func=clock,
-            coalesce_streams=True,
             # A graceful shutdown sometimes takes three seconds.
             shutdown_kernel="immediate",
             # Without this every kernel warns that it listens on an unencrypted local port.
@@ -160,8 +161,20 @@ def _execute(prepared: Path, partial: Path, values: dict[str, Any], clock: Clock
     return notebook
 
 
-def _is_progress(output: NotebookNode) -> bool:
-    return output.output_type == "stream" and output.name == "stderr" and "\r" in output.text
+def _settled(outputs: list[NotebookNode]) -> list[NotebookNode]:
+    """Outputs with neighbouring streams joined, since how they are cut is chance, and without progress bars."""
+    joined: list[NotebookNode] = []
+    for output in outputs:
+        last = joined[-1] if joined else None
+        if last and output.output_type == last.output_type == "stream" and output.name == last.name:
+            last.text += output.text
+        else:
+            joined.append(output)
+    for output in joined:
+        if output.output_type == "stream" and output.name == "stderr":
+            # A bar returns to the beginning of its line; a warning has lines of its own.
+            output.text = re.sub(r"^.*\r.*\n?", "", output.text, flags=re.MULTILINE)
+    return [output for output in joined if output.get("text") != ""]
 
 
 def declared_parameters(source: Path) -> dict[str, Parameter]:
@@ -207,8 +220,8 @@ def _parser() -> argparse.ArgumentParser:
     pair = ("KEY", "VALUE")
     running.add_argument("--param", nargs=2, action="append", default=[], metavar=pair, help="may be repeated")
     running.add_argument("--out", metavar="FOLDER", help="where the executed copy goes (build/notebooks)")
-    running.add_argument("--cell-minutes", type=float, default=120, metavar="N", help="limit for one cell (120)")
-    running.add_argument("--run-minutes", type=float, default=240, metavar="N", help="limit for the whole run (240)")
+    running.add_argument("--cell-minutes", type=float, default=120.0, metavar="N", help="limit for one cell (120)")
+    running.add_argument("--run-minutes", type=float, default=240.0, metavar="N", help="limit for the whole run (240)")
     return parser
 
 

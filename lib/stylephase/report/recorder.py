@@ -99,12 +99,11 @@ class Recorder:
         """What has been recorded so far, as it would be read back; the manifest is left empty."""
         return Record(self.notebook, tuple(Result(**entry) for entry in self.entries.values()), self.numbers, {})
 
-    def folder(self, folder: str | Path) -> Path:
-        """The folder of figures: a relative one lies in the repository, wherever the notebook was started."""
-        return self.root / folder
-
     def write(self, folder: str | Path) -> None:
-        """Write NN_name.json into the folder, whole or not at all."""
+        """Write NN_name.json, whole or not at all, into the folder.
+
+        A relative folder lies in the repository, wherever the notebook was started.
+        """
         facts = manifest(
             notebook=self.notebook,
             dataset=self.dataset,
@@ -116,7 +115,7 @@ class Recorder:
         whole: dict[str, Any] = {"claims": list(self.entries.values()), "manifest": facts}
         if self.numbers:
             whole["numbers"] = self.numbers
-        write_json(self.folder(folder) / f"{self.notebook}.json", whole)
+        write_json(self.root / folder / f"{self.notebook}.json", whole)
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,117 @@
+"""The scorecard's text: numbers are readable, rows whole, and what is out of step is found and mended."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from stylephase.errors import InputError
+from stylephase.report import scorecard
+from stylephase.report.claims import read_claims
+from stylephase.report.recorder import Recorder
+
+LISTED = """\
+[notebooks]
+01_small = "A small notebook"
+
+[[claim]]
+id = "size"
+paper = "M22"
+where = "Table 2"
+name = "The network | its size."
+kind = "number"
+paper_value = 4935928
+unit = "parameters"
+at_least = 4935928
+at_most = 4935928
+notebook = "01_small"
+status = "open"
+
+[[claim]]
+id = "time"
+paper = "M22"
+where = "Table 2"
+name = "The network's time."
+kind = "number"
+paper_value = [4.53, 0.04]
+unit = "ms"
+notebook = "01_small"
+status = "open"
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A repository with two claims, one of them tested, and a README that does not know yet."""
+    for folder in ("data", "notebooks", "lib", "figures"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "data/claims.toml").write_text(LISTED)
+    (tmp_path / "README.md").write_text(f"# Title\n\n{scorecard.BEGIN}\n{scorecard.END}\n\nEnd.\n")
+    recorder = Recorder("01_small", dataset="none", preset="cpu", params={}, root=tmp_path)
+    recorder.claim("size", value=4935929, note="one more\nthan the paper's")
+    recorder.write("figures")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (4935928, "parameters", "4,935,928 parameters"),
+        (0.12344, "", "0.1234"),
+        ([434329, 120, 10.7], "frames, min, %", "434,329 / 120 / 10.7 frames, min, %"),
+        (True, "", "yes"),
+        ("slows down", "", "slows down"),
+        (None, "m", ""),
+    ],
+)
+def test_values_are_shown_with_their_unit(value, unit, text):
+    assert scorecard.shown(value, unit) == text
+
+
+def test_write_mends_what_check_finds(project, capsys):
+    assert scorecard.main(["--check"], project) == 1
+    assert capsys.readouterr().err.startswith("stale: README.md, data/claims.toml;")
+    assert scorecard.main(["--write"], project) == 0
+    assert scorecard.main(["--check"], project) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_the_readme_shows_counts_and_tested_claims_and_keeps_the_rest(project):
+    scorecard.main(["--write"], project)
+    text = (project / "README.md").read_text()
+    assert text.startswith("# Title\n\n") and text.endswith("\n\nEnd.\n")
+    assert "| 2022 paper | 0 | 0 | 1 | 0 | 1 |" in text
+    assert (
+        "| Table 2 | The network \\| its size. | 4,935,928 parameters | 4,935,929 parameters "
+        "| differs: one more than the paper's | [01](notebooks/01_small.ipynb) |" in text
+    )
+    assert "The network's time." not in text
+
+
+def test_statuses_follow_the_records(project):
+    scorecard.main(["--write"], project)
+    claims = read_claims(project / "data/claims.toml").claims
+    assert {name: claim.status for name, claim in claims.items()} == {"size": "recorded", "time": "open"}
+    (project / "figures/01_small.json").unlink()
+    scorecard.main(["--write"], project)
+    assert (project / "data/claims.toml").read_text() == LISTED
+
+
+def test_the_whole_list_has_open_claims_too(project):
+    whole = scorecard.tables(read_claims(project / "data/claims.toml"), [], links="")
+    assert "| The network's time. | 4.53 / 0.04 ms |  | open | 01 |" in whole
+
+
+def test_a_readme_without_markers_is_bad_input(project, capsys):
+    (project / "README.md").write_text("# Title\n")
+    assert scorecard.main(["--write"], project) == 2
+    assert "README.md: expected the markers" in capsys.readouterr().err
+
+
+def test_a_faulty_record_is_bad_input_and_changes_nothing(project, capsys):
+    path = project / "figures/01_small.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"claims": [{"id": "other"}]}))
+    before = (project / "README.md").read_text()
+    assert scorecard.main(["--write"], project) == 2
+    assert capsys.readouterr().err == f"{InputError('other is not in claims.toml', path)}\n"
+    assert (project / "README.md").read_text() == before
