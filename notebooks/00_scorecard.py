@@ -99,7 +99,8 @@ left = np.zeros(len(table), dtype=int)
 for outcome, colour in COLOURS.items():
     widths = np.array([row[outcome] for row in table.values()])
     bars = axes.barh(titles, widths, left=left, color=colour, label=outcome)
-    axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center")
+    ink = palette.INK if outcome == "open" else palette.BACKGROUND
+    axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center", color=ink)
     left += widths
 axes.invert_yaxis()
 axes.set_xlabel("claims")

@@ -168,7 +168,7 @@ def _judgement_fault(entry: Mapping[str, Any], claim: Claim) -> str | None:
         return f"{claim.id} has verdict {verdict!r}; expected one of {', '.join(VERDICTS)}"
     if verdict in (DIFFERS, NOT_TESTABLE) and not entry["note"]:
         return f"{claim.id} {verdict} and needs a note: {'the reason' if verdict == DIFFERS else 'what it needs'}"
-    if not all(_finite(number) for number in (value if isinstance(value, list) else [value])):
+    if not finite(value):
         return f"{claim.id} has value {value}; expected finite values"
     if verdict == NOT_TESTABLE:
         return None
@@ -181,8 +181,10 @@ def _judgement_fault(entry: Mapping[str, Any], claim: Claim) -> str | None:
     return None
 
 
-def _finite(value: Any) -> bool:
-    return not isinstance(value, float) or math.isfinite(value)
+def finite(value: Any) -> bool:
+    """Whether a value, or every number of a list, is finite; what is no number counts as finite."""
+    numbers = value if isinstance(value, list) else [value]
+    return all(math.isfinite(number) for number in numbers if isinstance(number, float))
 
 
 def _table_fault(table: Mapping[str, Any], notebooks: Mapping[str, str]) -> str | None:

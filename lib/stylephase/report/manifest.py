@@ -57,7 +57,7 @@ def device() -> str:
     """Model of the processor, its usable cores and the threads of a computation; never a host's name."""
     cores = len(psutil.Process().cpu_affinity() or [0])
     threads = os.environ.get("OMP_NUM_THREADS", str(cores))
-    return f"{_processor()}, {cores} cores, {threads} threads"
+    return f"{_processor()}, cores: {cores}, threads: {threads}"
 
 
 def _processor() -> str:

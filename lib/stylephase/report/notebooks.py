@@ -92,7 +92,8 @@ def clean(notebook: NotebookNode) -> NotebookNode:
     for number, cell in enumerate(notebook.cells):
         tags = cell.metadata.get("tags")
         cell.metadata = NotebookNode(tags=tags) if tags else NotebookNode()
-        # A cell of parameters that papermill added has a random name.
+        # A cell of parameters that papermill added has a random name and an empty last line.
+        cell.source = cell.source.rstrip()
         cell.id = f"cell-{number:02d}"
         if cell.cell_type == "code":
             cell.outputs = _settled(cell.outputs)

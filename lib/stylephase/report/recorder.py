@@ -16,6 +16,7 @@ from stylephase.report.claims import (
     Value,
     entry_fault,
     entry_of,
+    finite,
     read_claims,
     verdict_of,
 )
@@ -72,6 +73,8 @@ class Recorder:
         if identifier in self.entries:
             raise InputError(f"{identifier} is recorded twice")
         value = _plain(value)
+        if not finite(value):
+            raise InputError(f"{identifier} has value {value}; expected finite values")
         if verdict is None:
             if not claim.bounded or value is None:
                 raise InputError(f"{identifier} needs a verdict: it has no {'value' if claim.bounded else 'bounds'}")

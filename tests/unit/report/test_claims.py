@@ -219,6 +219,7 @@ class TestRecorder:
             ("elsewhere", {"value": 1.0, "verdict": "reproduced"}, "belongs to notebook 02_other"),
             ("look", {"value": 1.0}, "needs a verdict: it has no bounds"),
             ("ratio", {}, "needs a verdict: it has no value"),
+            ("ratio", {"value": np.nan}, "expected finite values"),
             ("ratio", {"value": 0.5}, "needs a note: the reason"),
             ("ratio", {"value": 0.5, "verdict": "reproduced"}, "asks for at most 0.2"),
             ("look", {"verdict": "not testable here"}, "needs a note: what it needs"),
