@@ -132,15 +132,18 @@ def _generated(dataset: Dataset) -> Path:
 
 
 def _unpack_verified(dataset: Dataset, archive: Archive, folder: Path) -> None:
-    """Take the archive from the mirror or the public source, verify it, unpack it, and verify the content if known."""
-    path = _mirrored(archive) or _download(archive)
-    if archive.sha256 is not None:
+    """Take the archive from the mirror or the public source, verify it, unpack it; verify the content if need be."""
+    path = _mirrored(archive)
+    if path and archive.sha256:
         verify(path, archive.sha256)
-    unpack(path, folder)
-    if archive.sha256 is None:
+    taken = path or _download(archive)
+    unpack(taken, folder)
+    if not archive.sha256:
         found = hash_content(find_entries(dataset.layout, folder))
         if found != dataset.content:
-            raise InputError(f"wrong SHA-256 of the motion files: expected {dataset.content}, found {found}", path)
+            raise InputError(f"wrong SHA-256 of the motion files: expected {dataset.content}, found {found}", taken)
+    if path is None:
+        taken.unlink()
 
 
 def verify(path: Path, expected: str) -> None:
@@ -151,10 +154,11 @@ def verify(path: Path, expected: str) -> None:
 
 
 def _download(archive: Archive) -> Path:
-    """The archive in the cache's folder of downloads; pooch moves it there once it is complete."""
+    """The archive in the cache's folder of downloads; pooch moves it there once it is complete and has its hash."""
     folder = cache_folder() / "downloads"
+    known = f"sha256:{archive.sha256}" if archive.sha256 else None
     try:
-        return Path(pooch.retrieve(archive.url, known_hash=None, fname=archive.file, path=folder))
+        return Path(pooch.retrieve(archive.url, known_hash=known, fname=archive.file, path=folder))
     except (OSError, ValueError) as error:
         reason = f"cannot download {archive.url} ({error})"
         raise InputError(f"{reason}; put {archive.file} into a folder, name it by STYLEPHASE_MIRROR") from error
@@ -180,7 +184,8 @@ def _unpack_tar(path: Path, folder: Path) -> None:
     with tarfile.open(path) as archive:
         for number, member in enumerate(archive):
             size += member.size
-            _check_bounds(path, number, size)
+            _check_member(path, member.name, number, size)
+            # The filter refuses links out of the folder, and devices.
             archive.extract(member, folder, filter="data")
 
 
@@ -189,14 +194,15 @@ def _unpack_zip(path: Path, folder: Path) -> None:
     with zipfile.ZipFile(path) as archive:
         for number, member in enumerate(archive.infolist()):
             size += member.file_size
-            _check_bounds(path, number, size)
-            inside = PurePosixPath(member.filename.replace("\\", "/"))
-            if inside.is_absolute() or ".." in inside.parts:
-                raise InputError(f"cannot unpack: {member.filename!r} would lie outside the folder", path)
+            _check_member(path, member.filename, number, size)
             archive.extract(member, folder)
 
 
-def _check_bounds(path: Path, members: int, size: int) -> None:
-    if members >= MAX_MEMBERS or size > MAX_UNPACKED_BYTES:
-        bounds = f"{MAX_MEMBERS} members and {MAX_UNPACKED_BYTES // 2**30} GiB"
+def _check_member(path: Path, name: str, number: int, size: int) -> None:
+    """Raise InputError if a member lies outside the folder, or if there are too many or too large ones so far."""
+    inside = PurePosixPath(name.replace("\\", "/"))
+    if inside.is_absolute() or ".." in inside.parts:
+        raise InputError(f"cannot unpack: {name!r} would lie outside the folder", path)
+    if number >= MAX_MEMBERS or size > MAX_UNPACKED_BYTES:
+        bounds = f"{MAX_MEMBERS} members or {MAX_UNPACKED_BYTES // 2**30} GiB"
         raise InputError(f"cannot unpack: more than {bounds}", path)

@@ -23,8 +23,8 @@ class Archive:
     """
 
     file: str
-    url: str | None = None
-    sha256: str | None = None
+    url: str = ""
+    sha256: str = ""
 
 
 @dataclass(frozen=True)
