@@ -73,9 +73,23 @@ rule vectors:
         """
 
 
-# The checkpoints in the run's folder are no outputs, so Snakemake leaves them when the step is interrupted.
-rule train:
+# A run of other data or code is set aside, so that the training begins anew. When the training itself is interrupted,
+# it resumes: its checkpoints are no outputs, so Snakemake leaves them.
+rule begin:
     input: styles, code("training")
+    output: f"{RUN}/begun"
+    params: folder=lambda wildcards, output: Path(output[0]).parent
+    shell:
+        """
+        rm -rf {params.folder:q}.earlier
+        mv {params.folder:q} {params.folder:q}.earlier
+        mkdir {params.folder:q}
+        touch {output:q}
+        """
+
+
+rule train:
+    input: f"build/runs/{SET}-{PRESET}-{{model}}-seed{{seed}}/begun"
     output: f"build/runs/{SET}-{PRESET}-{{model}}-seed{{seed}}/training.json"
     params: folder=lambda wildcards, output: Path(output[0]).parent
     threads: max(1, workflow.cores // len(RUNS))
