@@ -1,0 +1,45 @@
+"""The colours of all figures: chosen to stay apart for readers with any of the three colour vision deficiencies.
+
+Left is blue and right is orange everywhere: on the character, in its contacts and in the curves of its end effectors.
+"""
+
+LEFT, RIGHT, BODY = "#0072B2", "#D55E00", "#B4BAC3"
+BACKGROUND, GROUND_LINE, SHADOW = "#FFFFFF", "#C3CAD3", "#E1E4E9"
+INK, QUIET = "#222222", "#8A8F96"
+HIGHLIGHT = "#C2185B"
+CONTACT = "#4D9F5C"
+
+# The feet take the colours of the legs, the hands a lighter tone of the same side.
+EFFECTORS = {"LeftHand": "#56B4E9", "RightHand": "#F2B134", "LeftFoot": LEFT, "RightFoot": RIGHT}
+
+# Hue says how style enters the network (grey: one-hot, orange: residual adapter, blue: FiLM); among networks of one
+# hue a darker tone says local phases.
+MODELS = {
+    "pfnn-onehot": "#B8B8B8",
+    "lpn-onehot": "#606060",
+    "pfnn-resad": "#EFCB45",
+    "lpn-resad": "#C4561A",
+    "pfnn-film": "#7CC4F5",
+    "mann-film": "#3F7FE0",
+    "lpn-film": "#14246E",
+}
+
+
+def colour_of(name: str) -> str:
+    """The colour of a model or end effector by its name; quiet grey for anything else, such as a naive predictor."""
+    return MODELS.get(name) or EFFECTORS.get(name) or QUIET
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue (0 to 255) of a colour written `#RRGGBB`."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def darker(colour: str, by: float = 0.2) -> str:
+    """The colour mixed with black, `by` being the share of black."""
+    return "#" + "".join(f"{round(channel * (1 - by)):02X}" for channel in rgb(colour))
+
+
+def lighter(colour: str, by: float) -> str:
+    """The colour mixed with white, `by` being the share of white."""
+    return "#" + "".join(f"{round(channel + (255 - channel) * by):02X}" for channel in rgb(colour))
