@@ -113,7 +113,7 @@ class _Problem:
     def best_frequency(self) -> ndarray:
         """The frequency (Hz) of least loss: the best of a grid, refined by golden sections between its neighbours."""
         grid = np.geomspace(*FREQUENCIES, _GRID)
-        best = np.stack([self.solve(f)[3] for f in grid]).argmin(axis=0)
+        best = np.stack([self.solve(f, newton_steps=1)[3] for f in grid]).argmin(axis=0)
         low, high = grid[np.maximum(best - 1, 0)], grid[np.minimum(best + 1, _GRID - 1)]
         left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
         at_left, at_right = self.solve(left)[3], self.solve(right)[3]
@@ -126,7 +126,7 @@ class _Problem:
             at_left, at_right = np.where(lower, at_fresh, at_right), np.where(lower, at_left, at_fresh)
         return np.where(at_left < at_right, left, right)
 
-    def solve(self, frequency: float | ndarray):
+    def solve(self, frequency: float | ndarray, newton_steps: int = 5):
         """Best bounded (sine, cosine, offset) for given frequencies, and the loss less the signal's own square sum."""
         angles = 2 * np.pi * np.multiply.outer(frequency, self.times)
         s, c = np.sin(angles), np.cos(angles)
@@ -139,7 +139,7 @@ class _Problem:
         ss = ss + self.ridge
         determinant = np.maximum(cc * self.size - c1 * c1, 1e-12)
         offset = np.clip((cc * self.total - c1 * tc) / determinant, self.lowest, self.highest)
-        sine, cosine = _within(ts / ss, (tc - c1 * offset) / cc, ss, cc, self.most)
+        sine, cosine = _within(ts / ss, (tc - c1 * offset) / cc, ss, cc, self.most, newton_steps)
         offset = np.clip((self.total - c1 * cosine) / self.size, self.lowest, self.highest)
         loss = (
             sine * (ss * sine - 2 * ts)
@@ -149,19 +149,21 @@ class _Problem:
         return sine, cosine, offset, loss
 
 
-def _within(sine: ndarray, cosine: ndarray, ss, cc, most: ndarray) -> tuple[ndarray, ndarray]:
+def _within(sine: ndarray, cosine: ndarray, ss, cc, most: ndarray, steps: int) -> tuple[ndarray, ndarray]:
     """The nearest point to (sine, cosine), in the metric of the square sums ss and cc, with amplitude at most `most`."""
     over = np.flatnonzero(np.hypot(sine, cosine) > most)
     if len(over):
         ss, cc = (np.broadcast_to(squares, sine.shape)[over] for squares in (ss, cc))
-        sine[over], cosine[over] = _on_circle(ss * sine[over], cc * cosine[over], ss, cc, most[over])
+        sine[over], cosine[over] = _on_circle(ss * sine[over], cc * cosine[over], ss, cc, most[over], steps)
     return sine, cosine
 
 
-def _on_circle(sine: ndarray, cosine: ndarray, ss: ndarray, cc: ndarray, radius: ndarray) -> tuple[ndarray, ndarray]:
+def _on_circle(
+    sine: ndarray, cosine: ndarray, ss: ndarray, cc: ndarray, radius: ndarray, steps: int
+) -> tuple[ndarray, ndarray]:
     """Solve (sine, cosine) / (squares + multiplier) for the multiplier that gives the length `radius`, by Newton."""
     radius, multiplier = np.maximum(radius, 1e-12), np.zeros_like(sine)
-    for _ in range(6):
+    for _ in range(steps):
         ds, dc = ss + multiplier, cc + multiplier
         length = np.maximum(np.hypot(sine / ds, cosine / dc), 1e-12)
         slope = (sine**2 / ds**3 + cosine**2 / dc**3) / length

@@ -6,6 +6,8 @@ Left is blue and right is orange everywhere: on the character, in its contacts a
 LEFT, RIGHT, BODY = "#0072B2", "#D55E00", "#B4BAC3"
 BACKGROUND, GROUND_LINE, SHADOW = "#FFFFFF", "#C3CAD3", "#E1E4E9"
 INK, QUIET = "#222222", "#8A8F96"
+# For things that are neither a side nor a model, such as styles; told apart by colour and by marker together.
+SEQUENCE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#7A7A7A")
 HIGHLIGHT = "#C2185B"
 CONTACT = "#4D9F5C"
 

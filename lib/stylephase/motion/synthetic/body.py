@@ -19,7 +19,7 @@ BALL = np.array([0.0, -0.072, 0.135])
 TIP = np.array([0.0, -0.018, 0.062])
 HEEL = np.array([0.0, -ANKLE, -0.05])
 # A leg is never stretched further than this share of its length: at full stretch the knee would snap.
-REACH = 0.994 * (THIGH + SHANK)
+REACH = 0.987 * (THIGH + SHANK)
 STANDING = THIGH + SHANK + ANKLE - HIP[1]
 
 _SPINE = (("Chest", 0.115), ("Chest2", 0.11), ("Chest3", 0.10), ("Chest4", 0.10))

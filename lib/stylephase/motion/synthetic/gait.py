@@ -17,7 +17,7 @@ from stylephase.motion.synthetic.path import Course, from_facing
 from stylephase.motion.synthetic.styles import WalkStyle
 
 # Parts of a cycle in which the foot lands and pushes off, walking and running, and the running duty.
-_LANDING, _PUSHING = (0.10, 0.05), (0.24, 0.2)
+_LANDING, _PUSHING = (0.10, 0.09), (0.24, 0.2)
 _RUN_DUTY = 0.35
 _ARRIVAL = 1.5
 # In the frame that lies flat below the ankle: (forward, up).
@@ -52,7 +52,7 @@ class Falls:
 
 @dataclass(frozen=True)
 class Foot:
-    """One foot through a take: ankle (m), yaw and pitch (rad, toes up positive), pitch of the toes, toe on the floor."""
+    """One foot through a take: ankle (m), yaw, pitch and the toes' pitch (rad, toes up positive), toe on the floor."""
 
     ankle: Float[ndarray, "frames 3"]
     yaw: Float[ndarray, " frames"]
@@ -74,6 +74,9 @@ def plan_falls(style: WalkStyle, course: Course, side: str, rng: np.random.Gener
     ground, yaw = _places(style, course, side, over, rng)
     land, push = _pitches(style, course, strike, lift)
     size = np.minimum(np.linalg.norm(_stride_at(course, lift), axis=1), 1.0)
+    ahead, across = np.clip(_stride_at(course, lift), -1, 1).T
+    # Backwards the toes point down on landing and need more room.
+    rise = 0.005 if dragged else style.rise * (1 - 0.3 * np.abs(across)) + 0.015 * np.maximum(-ahead, 0)
     return Falls(
         strike=strike,
         flat=strike + _mixed(_LANDING, run),
@@ -83,7 +86,7 @@ def plan_falls(style: WalkStyle, course: Course, side: str, rng: np.random.Gener
         yaw=yaw,
         land=land * (0.2 if dragged else 1.0),
         push=push * (0.5 if dragged else 1.0),
-        rise=(0.005 if dragged else style.rise) * (0.4 + 0.6 * size) + 0.1 * run * size,
+        rise=rise * (0.4 + 0.6 * size) + 0.1 * run * size,
     )
 
 
@@ -115,8 +118,8 @@ def _places(
     sign = 1.0 if side == "left" else -1.0
     facing = course.at(clock, course.facing)
     narrower = 1 - 0.4 * course.at(clock, course.run)
-    across = narrower * np.abs(course.at(clock, course.velocity[:, 1])) / (4 * np.maximum(course.at(clock, course.rate), 0.4))
-    left = sign * (style.half_width * narrower + across) + rng.normal(0, 0.004, len(clock))
+    way = np.abs(course.at(clock, course.velocity[:, 1])) / np.maximum(course.at(clock, course.rate), 0.4)
+    left = sign * narrower * (style.half_width + 0.25 * way) + rng.normal(0, 0.004, len(clock))
     forward = rng.normal(0, 0.006, len(clock)) - (0.1 if style.drag == side else 0.0)
     path = np.stack([course.at(clock, course.position[:, k]) for k in (0, 1)], axis=1)
     ground = path + from_facing(facing, np.stack([forward, left], axis=1))
@@ -130,7 +133,7 @@ def _pitches(
     landing, pushing = _stride_at(course, strike), _stride_at(course, lift)
     run = course.at(strike, course.run)
     ahead, back = np.clip(landing[:, 0], 0, 1.2), np.clip(-landing[:, 0], 0, 1.2)
-    land = style.land * (1 - 0.6 * run) * ahead - 0.4 * style.push * back
+    land = style.land * (1 - 0.6 * run) * ahead - 0.4 * style.push * (1 - 0.4 * run) * back
     ahead, back = np.clip(pushing[:, 0], 0, 1.2), np.clip(-pushing[:, 0], 0, 1.2)
     rolling = 0.5 * abs(style.land) * (1 - run) * back
     push = rolling - style.push * (1 - 0.3 * run) * ahead - 0.2 * np.clip(np.abs(pushing[:, 1]), 0, 1.2)
@@ -249,6 +252,6 @@ def raised_foot(style: WalkStyle, course: Course, hips: Float[ndarray, "frames 3
     forward = -0.2 + 0.06 * size * np.cos(2 * np.pi * course.clock)
     left = np.full(len(forward), sign * (HIP[0] + 0.01))
     flat = from_facing(course.facing, np.stack([forward, left], axis=1))
-    ankle = hips + np.stack([flat[:, 0], np.full(len(forward), -0.55), flat[:, 1]], axis=1)
+    ankle = hips + np.stack([flat[:, 0], np.full(len(forward), -0.52), flat[:, 1]], axis=1)
     pitch = np.full(len(forward), -0.9)
     return Foot(ankle, course.facing + sign * style.toe_out, pitch, pitch, np.zeros(len(forward), dtype=bool))

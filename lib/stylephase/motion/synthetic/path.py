@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.ndimage import find_objects, gaussian_filter1d, label, maximum_filter1d
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from stylephase.errors import InputError
 from stylephase.motion.synthetic.styles import WalkStyle
@@ -19,7 +19,7 @@ LEAD = 2.2
 _STANDING = 1.2
 _EASE = 0.35
 # Speeds backwards and sideways, against the style's own forwards.
-_BACK, _SIDE = 0.65, 0.5
+_BACK, _SIDE = 0.65, 0.42
 
 
 @dataclass(frozen=True)
@@ -154,15 +154,16 @@ def _clock(
 ) -> tuple[Float[ndarray, " frames"], Float[ndarray, " frames"]]:
     """Rate (Hz) and reading (cycles) of the clock; it rests while the walker stands, with the feet on the floor."""
     own = 1 / style.cycle + run * (1 / style.run_cycle - 1 / style.cycle)
-    pace = np.clip(np.linalg.norm(stride, axis=1), 0.3, 2.0) ** 0.4
+    pace = np.clip(np.linalg.norm(stride, axis=1), 0.3, 2.0) ** 0.4 * (1 + 0.2 * np.minimum(np.abs(stride[:, 1]), 1))
     moving = (np.linalg.norm(velocity, axis=1) > 0.03) | (np.abs(turn) > 0.05)
     stepping = _until_feet_are_home(moving, style.cycle)
     rate = own * pace * gaussian_filter1d(stepping.astype(float), 0.08 * FPS, truncate=3.0)
     start, grid = rest(style)
-    for (part,) in find_objects(label(rate > 0)[0]):
-        if part.stop < len(rate):
-            cycles = rate[part].sum() / FPS
-            rate[part] *= max(1, round(cycles / grid)) * grid / cycles
+    edges = np.flatnonzero(np.diff((rate > 0).astype(int), prepend=0, append=0))
+    for begin, end in edges.reshape(-1, 2):
+        if end < len(rate):
+            cycles = rate[begin:end].sum() / FPS
+            rate[begin:end] *= max(1, round(cycles / grid)) * grid / cycles
     return rate, start + np.cumsum(rate) / FPS
 
 

@@ -84,7 +84,9 @@ def _body(
     return np.stack([local.get(name, still) for name in SKELETON.names], axis=1), hips
 
 
-def _hip(hips: Float[ndarray, "frames 3"], turned: Float[ndarray, "frames 3 3"], side: str) -> Float[ndarray, "frames 3"]:
+def _hip(
+    hips: Float[ndarray, "frames 3"], turned: Float[ndarray, "frames 3 3"], side: str
+) -> Float[ndarray, "frames 3"]:
     return hips + turned @ (HIP * ([1, 1, 1] if side == "left" else [-1, 1, 1]))
 
 

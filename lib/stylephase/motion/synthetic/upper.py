@@ -42,7 +42,7 @@ def hips_shift(
         bob = -4 * flying * np.cos(TURN * (clock - 0.25))
     else:
         walking = style.bounce * size * (1 - course.run) * np.cos(2 * TURN * (clock - MIDDLE))
-        bob = walking - flying * course.run * np.cos(2 * TURN * (clock - RUN_MIDDLE)) - 0.03 * course.run
+        bob = walking - flying * course.run * np.cos(2 * TURN * (clock - RUN_MIDDLE)) - 0.045 * course.run
     return left, bob + 0.002 * smooth_noise(frames, 1.0, rng)
 
 
@@ -84,14 +84,14 @@ def _look(
 def hand_phases(style: WalkStyle, course: Course) -> Float[ndarray, "frames 2"]:
     """Running phases (cycles) of left and right hand: 0.25 is furthest forward.
 
-    A hand goes with the opposite foot, so walking backwards shifts it by half a cycle; with a period of its own it
-    takes no notice of the feet.
+    A hand goes with the opposite foot. Backwards that is half a cycle later, and the hand gains another half when it
+    comes back, so that its phase never runs backwards. With a period of its own it takes no notice of the feet.
     """
     if style.arm_period is not None:
         seconds = np.arange(len(course.clock)) / FPS
         return np.stack([seconds, seconds + 0.5 * style.arm_period], axis=1) / style.arm_period
-    back = np.clip((0.1 - course.stride[:, 0]) / 0.4, 0, 1)
-    left = course.clock + 0.25 + 0.5 * back**2 * (3 - 2 * back)
+    back = gaussian_filter1d((course.stride[:, 0] < -0.15).astype(float), 0.2 * FPS, mode="nearest")
+    left = course.clock + 0.25 + 0.5 * np.cumsum(np.abs(np.diff(back, prepend=0.0)))
     return np.stack([left, left if style.hop else left + 0.5], axis=1)
 
 
@@ -99,10 +99,11 @@ def arms(
     style: WalkStyle, course: Course, phases: Float[ndarray, "frames 2"], rng: np.random.Generator
 ) -> dict[str, Float[ndarray, "frames 4"]]:
     """Local rotations (wxyz) of collar, shoulder, elbow and wrist of both arms."""
-    size = np.abs(course.stride[:, 0]) + 0.35 * np.abs(course.stride[:, 1])
+    ahead, across = course.stride.T
+    size = np.where(ahead < 0, 0.6, 1.0) * np.abs(ahead) + 0.35 * np.abs(across)
     size = np.minimum(size, 1.3) if style.arm_period is None else 0.6 + 0.4 * np.minimum(size, 1)
     rotations = {}
-    for k, (side, arm) in enumerate((("Left", style.left_arm), ("Right", style.right_arm))):
+    for k, (side, arm) in enumerate((("Left", style.left_arm or style.arms), ("Right", style.arms))):
         wave = np.sin(TURN * phases[:, k]) * size * (1 + 0.06 * smooth_noise(len(size), 1.0, rng))
         rotations |= _arm(side, arm, style, wave, course.run, rng)
     return rotations

@@ -1,0 +1,148 @@
+"""Vectors of a whole data set, one file per style, kept in the cache under a key of data, settings and source."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+import stylephase
+from stylephase.data.archive import cache_folder, fetch
+from stylephase.data.catalogue import Catalogue, cut_frames, load_clip, usable
+from stylephase.data.layouts import hash_content
+from stylephase.data.registry import OWN
+from stylephase.data.split import PARTS, split
+from stylephase.errors import InputError
+from stylephase.features.body import Body, body_from_json, body_of
+from stylephase.features.layout import FPS
+from stylephase.features.vectors import vectors
+from stylephase.files import read_json, write_arrays, write_json
+from stylephase.motion.clip import Clip, Pose, forward_kinematics
+from stylephase.motion.contacts import foot_contacts
+from stylephase.phase.local import hand_directions, local_phases, variant
+
+# The split is drawn once for a data set; another seed would let a model see another's test frames.
+_SPLIT_SEED = 0
+_NO_PART = -1
+# The modules that decide what the vectors are.
+_SOURCES = ("motion/*.py", "phase/*.py", "data/layouts.py", "data/split.py", "features/[!cn]*.py")
+
+
+@dataclass(frozen=True)
+class StyleVectors:
+    """Vectors of all usable takes of one style, in the order of the catalogue.
+
+    `take` numbers each row's take within the style, `part` its part of the split (an index of PARTS, -1 for a guard
+    or for a last row whose next frame lies in another part), `gaits` names the gait of each take.
+    """
+
+    style: str
+    symmetric: bool
+    gaits: tuple[str, ...]
+    x: Float[ndarray, "rows inputs"]
+    p: Float[ndarray, "rows 8"]
+    y: Float[ndarray, "rows outputs"]
+    take: Int[ndarray, " rows"]
+    part: Int[ndarray, " rows"]
+
+    def rows(self, part: str, gait: str | None = None) -> Int[ndarray, " chosen"]:
+        """Rows of a part of the split, of all gaits or of one."""
+        chosen = self.part == PARTS.index(part)
+        if gait is not None:
+            chosen &= np.array([g == gait for g in self.gaits])[self.take]
+        return np.flatnonzero(chosen)
+
+
+class VectorStore:
+    """The vectors of one data set under one phase variant, computed at the first call for each style."""
+
+    def __init__(self, catalogue: Catalogue, phases: str):
+        self.catalogue, self.phases, self.how = catalogue.without_idle(), phases, variant(phases)
+        self.folder = cache_folder() / "vectors" / f"{_safe(catalogue.dataset.name)}-{phases}-{_key(catalogue)[:12]}"
+
+    @property
+    def body(self) -> Body:
+        """The data set's body."""
+        path = self.folder / "body.json"
+        if not path.exists():
+            write_json(path, body_of(self.catalogue).to_json())
+        return body_from_json(read_json(path))
+
+    def path(self, style: str) -> Path:
+        """The cached file of one style."""
+        return self.folder / f"{_safe(style)}.npz"
+
+    def load(self, style: str) -> StyleVectors:
+        """The vectors of one style, from the cache or computed."""
+        path = self.path(style)
+        if not path.exists():
+            made = style_vectors(self.catalogue, style, self.body, self.phases)
+            arrays = {name: getattr(made, name) for name in ("x", "p", "y", "take", "part")}
+            write_arrays(path, gaits=np.array(made.gaits), symmetric=np.array(made.symmetric), **arrays)
+        with np.load(path, allow_pickle=False) as found:
+            gaits = tuple(str(gait) for gait in found["gaits"])
+            arrays = {name: found[name] for name in ("x", "p", "y", "take", "part")}
+            return StyleVectors(style, bool(found["symmetric"]), gaits, **arrays)
+
+
+def _safe(name: str) -> str:
+    """A name that is a plain file name."""
+    return "".join(c if c.isalnum() or c in "-_" else "_" for c in name.removeprefix(OWN).rstrip("/").split("/")[-1])
+
+
+def _key(catalogue: Catalogue) -> str:
+    """Hash of the data and of the source that makes vectors from it, so that the cache is never stale."""
+    own = catalogue.dataset.name.startswith(OWN)
+    data = hash_content(catalogue.entries) if own else fetch(catalogue.dataset).name
+    library = Path(stylephase.__file__).parent
+    sources = [path for pattern in _SOURCES for path in sorted(library.glob(pattern))]
+    return hashlib.sha256(data.encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()
+
+
+def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> StyleVectors:
+    """Compute the vectors of one style. Raises InputError where no take is long enough."""
+    takes, entries = [], []
+    for entry in catalogue.of(style):
+        clip = load_clip(entry, catalogue.dataset, fps=FPS, skeleton=body.skeleton)
+        clip = clip.frames(*cut_frames(entry, catalogue.dataset, clip))
+        if usable(len(clip)):
+            takes.append(clip)
+            entries.append(entry)
+    if not takes:
+        raise InputError(f"style {style!r} has no take that is long enough to learn from")
+    poses = [forward_kinematics(clip) for clip in takes]
+    directions = {
+        gait: hand_directions([pose for pose, e in zip(poses, entries, strict=True) if e.gait == gait], body.skeleton)
+        for gait in {entry.gait for entry in entries}
+    }
+    parts = _parts(split(entries, [len(clip) for clip in takes], seed=_SPLIT_SEED), [len(clip) for clip in takes])
+    rows = [
+        _take_vectors(catalogue, clip, pose, directions[entry.gait], body, phases)
+        for clip, pose, entry in zip(takes, poses, entries, strict=True)
+    ]
+    return StyleVectors(
+        style,
+        all(entry.symmetric for entry in entries),
+        tuple(entry.gait for entry in entries),
+        *(np.concatenate(column).astype(np.float32) for column in zip(*rows, strict=True)),
+        np.repeat(np.arange(len(takes)), [len(part) for part in parts]),
+        np.concatenate(parts),
+    )
+
+
+def _take_vectors(catalogue: Catalogue, clip: Clip, pose: Pose, directions: ndarray, body: Body, phases: str):
+    sensors = pose.positions[:, list(body.skeleton.roles.toe_sensors[::-1])]
+    contacts = foot_contacts(sensors, clip.fps, catalogue.dataset.contact)
+    local = local_phases(pose, body.skeleton, clip.fps, contacts, directions, variant(phases))
+    made = vectors(pose, body.skeleton, body.rest, clip.fps, local.vectors, contacts)
+    return made.x, made.p, made.y
+
+
+def _parts(segments, lengths: list[int]) -> list[Int[ndarray, " rows"]]:
+    """For each take the part of every row; a row needs its frame and the next one in the same part."""
+    frames = [np.full(length, _NO_PART) for length in lengths]
+    for segment in segments:
+        frames[segment.entry][segment.start : segment.stop] = PARTS.index(segment.part)
+    return [np.where(part[:-1] == part[1:], part[:-1], _NO_PART) for part in frames]

@@ -1,0 +1,53 @@
+"""Gated experts: layers whose weights are blended by a gating network ([M22] 4.1).
+
+The blend of weights, `(sum_e a_e W_e) h`, equals the blend of outputs, `sum_e a_e (W_e h)`. The second form is one
+matrix product for a whole batch and is what trains; the first reads each weight once and suits a single frame.
+"""
+
+import math
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from stylephase.models.dropout import dropout
+
+
+class ExpertLayer(nn.Module):
+    """An affine layer with one set of weights per expert.
+
+    `weight` is (experts, inputs, outputs), `bias` (experts, outputs). Drawn by Glorot's rule per expert, bias 0.
+    """
+
+    def __init__(self, experts: int, inputs: int, outputs: int):
+        super().__init__()
+        bound = math.sqrt(6.0 / (inputs + outputs))
+        self.weight = nn.Parameter(torch.empty(experts, inputs, outputs).uniform_(-bound, bound))
+        self.bias = nn.Parameter(torch.zeros(experts, outputs))
+
+    def forward(self, h: Float[Tensor, "rows inputs"], gate: Float[Tensor, "rows experts"]) -> Float[Tensor, "rows outputs"]:
+        """Outputs of all experts, blended by the gate: the experts are stacked along the inputs, into one product."""
+        cast = torch.get_autocast_dtype("cpu") if torch.is_autocast_enabled("cpu") else h.dtype
+        spread = (gate.to(cast)[:, :, None] * h.to(cast)[:, None, :]).flatten(1)
+        return (spread @ self.weight.to(cast).flatten(0, 1)).to(h.dtype) + gate @ self.bias
+
+
+class Gating(nn.Module):
+    """The gating network: three layers with ELU, then softmax over the experts ([M22] 4.3)."""
+
+    def __init__(self, inputs: int, hidden: int, experts: int, rate: float = 0.0):
+        super().__init__()
+        self.rate = rate
+        widths = (inputs, hidden, hidden, experts)
+        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in zip(widths[:-1], widths[1:], strict=True))
+        for layer in self.layers:
+            nn.init.xavier_uniform_(layer.weight)
+            nn.init.zeros_(layer.bias)
+
+    def forward(self, p: Float[Tensor, "rows phases"]) -> Float[Tensor, "rows experts"]:
+        """Blending coefficients, which add to one. Dropout stands before every layer, as in the release."""
+        with torch.autocast("cpu", enabled=False):
+            for layer in self.layers[:-1]:
+                p = functional.elu(layer(dropout(p, self.rate, self.training)))
+            return torch.softmax(self.layers[-1](dropout(p, self.rate, self.training)), dim=-1)

@@ -1,0 +1,115 @@
+"""The controller: one frame after the other, from what the user wants to where the joints are ([M22] 4.4)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from numpy import ndarray
+from torch import Tensor
+
+from stylephase.features.layout import FPS, OUTPUT_SAMPLES, Layout
+from stylephase.models.bundle import Bundle
+from stylephase.motion.root import Root, rotate_to_local, to_local
+from stylephase.motion.rotations import from_axes
+from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_samples, on_ground, samples_of, steer
+
+
+@dataclass(frozen=True)
+class ControllerSettings:
+    """How network and user share the control ([M22] release 5.2, 5.3).
+
+    `root_share` of the predicted root step is taken and `path_share` of the predicted path; `position_bias` and
+    `direction_bias` shape how the future bends; `pose_share` weighs the predicted joint positions against the last
+    pose carried on by its velocity, `phase_share` the predicted phases against the last ones plus their update.
+    """
+
+    root_share: float = 1.0
+    path_share: float = 0.85
+    position_bias: float = 0.75
+    direction_bias: float = 1.25
+    pose_share: float = 0.5
+    phase_share: float = 0.5
+
+
+# The release takes 85 % of the root step, by which its feet slide.
+RELEASE = ControllerSettings(root_share=0.85)
+
+
+@dataclass(frozen=True)
+class State:
+    """Some characters between two frames: path, body in the world, velocities (m/s), phases, last contacts."""
+
+    path: Trajectory
+    positions: Float[ndarray, "characters joints 3"]
+    forward: Float[ndarray, "characters joints 3"]
+    up: Float[ndarray, "characters joints 3"]
+    velocities: Float[ndarray, "characters joints 3"]
+    phases: Float[ndarray, "characters 8"]
+    contacts: Float[ndarray, "characters 2"]
+
+    @property
+    def rotations(self) -> Float[ndarray, "characters joints 3 3"]:
+        """Orientation of each joint against the rest pose."""
+        return from_axes(self.forward, self.up)
+
+
+def start_state(x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"], layout: Layout) -> State:
+    """Characters at the origin, facing +z, in the state of some frames of data."""
+    origin = Root(np.zeros((len(x), 2)), np.zeros(len(x)))
+    joints = x[:, layout.x_pose].reshape(len(x), layout.joints, 4, 3)
+    path = from_samples(x[:, layout.x_trajectory], origin)
+    return State(path, *(joints[:, :, k] for k in range(4)), p.astype(float), np.zeros((len(x), 2)))
+
+
+class Controller:
+    """Drives any number of characters with one network, each with a style code of its own."""
+
+    def __init__(self, bundle: Bundle, codes: Float[Tensor, "characters values"], settings: ControllerSettings):
+        self.layout, self.settings, self.codes = bundle.body.layout, settings, codes
+        self.network = bundle.network.synthesis.eval()
+        n = bundle.normaliser
+        self.scales = {"x": (n.x_mean, n.x_std), "p": (n.p_mean, n.p_std), "y": (n.y_mean, n.y_std)}
+
+    def predict(self, x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"]) -> ndarray:
+        """The network's outputs y for inputs in metres."""
+        scaled = [torch.from_numpy((v - self.scales[k][0]) / self.scales[k][1]).float() for k, v in (("x", x), ("p", p))]
+        with torch.inference_mode():
+            y = self.network(*scaled, self.codes).double().numpy()
+        return y * self.scales["y"][1] + self.scales["y"][0]
+
+    def step(self, state: State, steering: Steering) -> State:
+        """The next frame."""
+        how = self.settings
+        path = steer(state.path, steering, how.position_bias, how.direction_bias)
+        root = path.root
+        y = self.predict(self._input(state, path, root), state.phases)
+        predicted = _world_samples(y[:, self.layout.y_trajectory], root)
+        joints = y[:, self.layout.y_pose].reshape(len(y), self.layout.joints, 4, 3)
+        position, forward, up, velocity = np.einsum("nij,ncpj->cnpi", root.matrices, joints.transpose(0, 2, 1, 3))
+        position = position + np.stack([root.positions[:, 0], np.zeros(len(y)), root.positions[:, 1]], -1)[:, None]
+        carried = state.positions + velocity / FPS
+        phases = y[:, self.layout.y_phases], state.phases + y[:, self.layout.y_phase_updates]
+        return replace(
+            state,
+            path=advance(path, predicted, how.root_share, how.path_share),
+            positions=carried + how.pose_share * (position - carried),
+            forward=forward,
+            up=up,
+            velocities=velocity,
+            phases=how.phase_share * phases[0] + (1 - how.phase_share) * phases[1],
+            contacts=y[:, self.layout.y_contacts],
+        )
+
+    def _input(self, state: State, path: Trajectory, root: Root) -> Float[ndarray, "characters inputs"]:
+        directions = [rotate_to_local(root, part) for part in (state.forward, state.up, state.velocities)]
+        pose = np.concatenate([to_local(root, state.positions), *directions], axis=-1)
+        return np.concatenate([samples_of(path), pose.reshape(len(pose), -1)], axis=1)
+
+
+def _world_samples(trajectory: Float[ndarray, "characters values"], root: Root) -> Float[ndarray, "characters samples 4"]:
+    """Predicted samples (x, z, direction) in the world."""
+    samples = trajectory.reshape(len(trajectory), len(OUTPUT_SAMPLES), 4)
+    turned = on_ground(root.angles)
+    places = np.einsum("nij,npj->npi", turned, samples[..., :2]) + root.positions[:, None]
+    return np.concatenate([places, np.einsum("nij,npj->npi", turned, samples[..., 2:])], axis=-1)

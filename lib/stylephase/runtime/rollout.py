@@ -1,0 +1,112 @@
+"""Rollouts: a controller run for some seconds under given steering, and the motion that comes out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from numpy import ndarray
+from torch import Tensor
+
+from stylephase.errors import InputError
+from stylephase.features.body import Body
+from stylephase.features.layout import FPS
+from stylephase.models.bundle import Bundle
+from stylephase.motion.clip import Clip
+from stylephase.motion.rotations import from_matrix
+from stylephase.runtime.controller import Controller, ControllerSettings, State
+from stylephase.runtime.trajectory import Steering
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is wanted at every frame: velocities in the world (m/s) and facings (rad)."""
+
+    velocity: Float[ndarray, "frames characters 2"]
+    facing: Float[ndarray, "frames characters"]
+
+    def __len__(self) -> int:
+        return len(self.facing)
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """Motion of some characters in the world: joints (m), orientations against rest, root, contacts, phases."""
+
+    positions: Float[ndarray, "frames characters joints 3"]
+    rotations: Float[ndarray, "frames characters joints 3 3"]
+    root_positions: Float[ndarray, "frames characters 2"]
+    root_angles: Float[ndarray, "frames characters"]
+    contacts: Float[ndarray, "frames characters 2"]
+    phases: Float[ndarray, "frames characters 8"]
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+def steady(
+    frames: int, speeds: Float[ndarray, " characters"], *, turn: float = 0.0, strafe: float = 0.0
+) -> Plan:
+    """Walk on at given speeds (m/s); `turn` (rad/s) turns facing and path, `strafe` (rad) sets the path's angle to it."""
+    facing = np.arange(frames)[:, None] / FPS * turn * np.ones(len(speeds))
+    heading = facing + strafe
+    velocity = speeds[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=-1)
+    return Plan(velocity, facing)
+
+
+def turned_once(frames: int, speeds: Float[ndarray, " characters"], angle: float, at: int) -> Plan:
+    """Walk straight, and from frame `at` on in a direction turned by `angle` (rad)."""
+    facing = np.where(np.arange(frames)[:, None] < at, 0.0, angle) * np.ones(len(speeds))
+    return Plan(speeds[:, None] * np.stack([np.sin(facing), np.cos(facing)], axis=-1), facing)
+
+
+def roll_out(
+    bundle: Bundle,
+    codes: Float[Tensor, "characters values"],
+    start: State,
+    plan: Plan,
+    settings: ControllerSettings | None = None,
+    tick: Callable[[int], object] = lambda frames: None,
+) -> Rollout:
+    """Run the controller over a plan. What turns infinite stays so, for the caller to judge."""
+    controller = Controller(bundle, codes, settings or ControllerSettings())
+    state, states = start, []
+    for velocity, facing in zip(plan.velocity, plan.facing, strict=True):
+        state = controller.step(state, Steering(velocity, facing))
+        states.append(state)
+        tick(1)
+    roots = [s.path.root for s in states]
+    return Rollout(
+        np.stack([s.positions for s in states]),
+        np.stack([s.rotations for s in states]),
+        np.stack([root.positions for root in roots]),
+        np.unwrap(np.stack([root.angles for root in roots]), axis=0),
+        np.stack([s.contacts for s in states]),
+        np.stack([s.phases for s in states]),
+    )
+
+
+def mixed_code(bundle: Bundle, mixture: dict[str, float]) -> Float[Tensor, " values"]:
+    """The weighted sum of style codes ([M22] 4.4); raises InputError for weights that are no mixture."""
+    weights = np.array(list(mixture.values()))
+    if not len(weights) or not np.isfinite(weights).all() or (weights < 0).any() or not weights.sum() > 0:
+        raise InputError("style weights should be numbers not below zero, with one above")
+    codes = torch.stack([bundle.code(style) for style in mixture])
+    return torch.from_numpy(weights / weights.sum()).float() @ codes
+
+
+def to_clip(rollout: Rollout, character: int, body: Body, name: str) -> Clip:
+    """One character's motion as a clip of the body's skeleton, with constant bones: hips path and all rotations."""
+    skeleton, place = body.skeleton, {joint: k for k, joint in enumerate(body.joints)}
+    frames = len(rollout)
+    world = np.empty((frames, len(skeleton), 3, 3))
+    for joint, parent in enumerate(skeleton.parents):
+        known = joint in place
+        world[:, joint] = rollout.rotations[:, character, place[joint]] @ body.rest[joint].T if known else world[:, parent]
+        if skeleton.sites[joint]:
+            world[:, joint] = world[:, parent]
+    local = world.copy()
+    for joint, parent in list(enumerate(skeleton.parents))[1:]:
+        local[:, joint] = np.transpose(world[:, parent], (0, 2, 1)) @ world[:, joint]
+    return Clip(skeleton, FPS, from_matrix(local), rollout.positions[:, character, place[0]], name)
