@@ -76,7 +76,7 @@ def plan_falls(style: WalkStyle, course: Course, side: str, rng: np.random.Gener
     size = np.minimum(np.linalg.norm(_stride_at(course, lift), axis=1), 1.0)
     ahead, across = np.clip(_stride_at(course, lift), -1, 1).T
     # Backwards the toes point down on landing and need more room.
-    rise = 0.005 if dragged else style.rise * (1 - 0.3 * np.abs(across)) + 0.015 * np.maximum(-ahead, 0)
+    rise = 0.015 if dragged else style.rise * (1 - 0.3 * np.abs(across)) + 0.015 * np.maximum(-ahead, 0)
     return Falls(
         strike=strike,
         flat=strike + _mixed(_LANDING, run),
