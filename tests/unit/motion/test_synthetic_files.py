@@ -5,6 +5,7 @@ import csv
 import numpy as np
 import pytest
 
+from stylephase.data.layouts import find_entries
 from stylephase.errors import InputError
 from stylephase.files import sha256
 from stylephase.motion.bvh import read_bvh
@@ -68,7 +69,7 @@ def test_bones_keep_their_length_in_the_files(folder):
     assert np.allclose(lengths[0], np.linalg.norm(SKELETON.offsets[1:], axis=-1), atol=1e-6)
 
 
-def test_cuts_count_from_one_and_lie_inside_the_takes(folder):
+def test_cuts_count_from_one_with_the_stop_outside_as_table_1_of_the_paper_needs(folder):
     table = rows(folder / "Frame_Cuts.csv")
     assert table["STYLE_NAME"][:4] == ["BR_START", "BR_STOP", "BW_START", "BW_STOP"]
     assert table["STYLE_NAME"][-2:] == ["TR3_START", "TR3_STOP"] and table["Plain"][-4:] == ["N/A"] * 4
@@ -76,9 +77,19 @@ def test_cuts_count_from_one_and_lie_inside_the_takes(folder):
         column = table["STYLE_NAME"].index(f"{gait}_START")
         start, stop = (int(cell) for cell in table["Plain"][column : column + 2])
         with np.load(folder / "Plain" / f"Plain_{gait}.truth.npz") as truth:
-            assert (start - 1, stop) == tuple(truth["cut"])
+            assert (start - 1, stop - 1) == tuple(truth["cut"])
             assert start >= 30 and stop <= len(truth["phase"]) - 30
-            assert stop - start + 1 == (60 if gait == "ID" else 120)
+            assert stop - start == (60 if gait == "ID" else 120)
+
+
+def test_the_importer_reads_the_cuts_and_flags_back(folder):
+    """Writer and reader agree on where a cut ends; a frame more would be the first of the stand after the walk."""
+    entries = find_entries("100style", folder)
+    assert [(e.style, e.gait) for e in entries] == [(s, g) for s in ("HopOnRight", "Plain") for g in sorted(GAITS)]
+    for entry in entries:
+        with np.load(entry.path.with_suffix(".truth.npz")) as truth:
+            assert (entry.start, entry.stop) == tuple(truth["cut"])
+        assert entry.symmetric == (entry.style == "Plain")
 
 
 def test_the_list_of_styles_says_which_are_symmetric_and_stochastic(folder):

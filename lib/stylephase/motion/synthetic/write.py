@@ -46,14 +46,14 @@ def _write_truth(path: Path, truth: Truth) -> None:
 
 
 def _frame_cuts(cuts: dict[str, dict[str, tuple[int, int]]]) -> str:
-    """First and last frame of each take's cut, counted from 1; N/A where there is no take."""
+    """First frame of each take's cut, counted from 1, and the one after its last; N/A where there is no take."""
     header = ["STYLE_NAME", *(f"{gait}_{end}" for gait in _COLUMNS for end in ("START", "STOP"))]
     rows = [[name, *_cells(cut.get(gait) for gait in _COLUMNS)] for name, cut in cuts.items()]
     return "".join(",".join(row) + "\n" for row in [header, *rows])
 
 
 def _cells(cuts: Iterable[tuple[int, int] | None]) -> list[str]:
-    return [cell for cut in cuts for cell in (("N/A", "N/A") if cut is None else (str(cut[0] + 1), str(cut[1])))]
+    return [cell for cut in cuts for cell in (("N/A", "N/A") if cut is None else (str(cut[0] + 1), str(cut[1] + 1)))]
 
 
 def _dataset_list(styles: Iterable[WalkStyle]) -> str:
