@@ -53,6 +53,20 @@ class State:
         """Orientation of each joint against the rest pose."""
         return from_axes(self.forward, self.up)
 
+    def repeated(self, times: int) -> "State":
+        """Each character `times` over, one copy after the other."""
+        path = Trajectory(*(np.repeat(part, times, axis=0) for part in (self.path.positions, self.path.directions)))
+        arrays = ("positions", "forward", "up", "velocities", "phases", "contacts")
+        return replace(self, path=path, **{name: np.repeat(getattr(self, name), times, axis=0) for name in arrays})
+
+
+def input_of(state: State) -> Float[ndarray, "characters inputs"]:
+    """The network's input x (metres) for the present state."""
+    root = state.path.root
+    directions = [rotate_to_local(root, part) for part in (state.forward, state.up, state.velocities)]
+    pose = np.concatenate([to_local(root, state.positions), *directions], axis=-1)
+    return np.concatenate([samples_of(state.path), pose.reshape(len(pose), -1)], axis=1)
+
 
 def start_state(x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"], layout: Layout) -> State:
     """Characters at the origin, facing +z, in the state of some frames of data."""
@@ -81,9 +95,9 @@ class Controller:
     def step(self, state: State, steering: Steering) -> State:
         """The next frame."""
         how = self.settings
-        path = steer(state.path, steering, how.position_bias, how.direction_bias)
-        root = path.root
-        y = self.predict(self._input(state, path, root), state.phases)
+        state = replace(state, path=steer(state.path, steering, how.position_bias, how.direction_bias))
+        path, root = state.path, state.path.root
+        y = self.predict(input_of(state), state.phases)
         predicted = _world_samples(y[:, self.layout.y_trajectory], root)
         joints = y[:, self.layout.y_pose].reshape(len(y), self.layout.joints, 4, 3)
         position, forward, up, velocity = np.einsum("nij,ncpj->cnpi", root.matrices, joints.transpose(0, 2, 1, 3))
@@ -100,11 +114,6 @@ class Controller:
             phases=how.phase_share * phases[0] + (1 - how.phase_share) * phases[1],
             contacts=y[:, self.layout.y_contacts],
         )
-
-    def _input(self, state: State, path: Trajectory, root: Root) -> Float[ndarray, "characters inputs"]:
-        directions = [rotate_to_local(root, part) for part in (state.forward, state.up, state.velocities)]
-        pose = np.concatenate([to_local(root, state.positions), *directions], axis=-1)
-        return np.concatenate([samples_of(path), pose.reshape(len(pose), -1)], axis=1)
 
 
 def _world_samples(trajectory: Float[ndarray, "characters values"], root: Root) -> Float[ndarray, "characters samples 4"]:

@@ -16,18 +16,15 @@ from stylephase.models.bundle import Bundle
 from stylephase.motion.clip import Clip
 from stylephase.motion.rotations import from_matrix
 from stylephase.runtime.controller import Controller, ControllerSettings, State
-from stylephase.runtime.trajectory import Steering
+from stylephase.runtime.plans import Plan
 
 
-@dataclass(frozen=True)
-class Plan:
-    """What is wanted at every frame: velocities in the world (m/s) and facings (rad)."""
+# Called with the number of frames done.
+Tick = Callable[[int], object]
 
-    velocity: Float[ndarray, "frames characters 2"]
-    facing: Float[ndarray, "frames characters"]
 
-    def __len__(self) -> int:
-        return len(self.facing)
+def quiet(frames: int) -> None:
+    """Tell nobody of progress."""
 
 
 @dataclass(frozen=True)
@@ -45,35 +42,20 @@ class Rollout:
         return len(self.positions)
 
 
-def steady(
-    frames: int, speeds: Float[ndarray, " characters"], *, turn: float = 0.0, strafe: float = 0.0
-) -> Plan:
-    """Walk on at given speeds (m/s); `turn` (rad/s) turns facing and path, `strafe` (rad) sets the path's angle to it."""
-    facing = np.arange(frames)[:, None] / FPS * turn * np.ones(len(speeds))
-    heading = facing + strafe
-    velocity = speeds[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=-1)
-    return Plan(velocity, facing)
-
-
-def turned_once(frames: int, speeds: Float[ndarray, " characters"], angle: float, at: int) -> Plan:
-    """Walk straight, and from frame `at` on in a direction turned by `angle` (rad)."""
-    facing = np.where(np.arange(frames)[:, None] < at, 0.0, angle) * np.ones(len(speeds))
-    return Plan(speeds[:, None] * np.stack([np.sin(facing), np.cos(facing)], axis=-1), facing)
-
-
 def roll_out(
     bundle: Bundle,
     codes: Float[Tensor, "characters values"],
     start: State,
+    frames: int,
     plan: Plan,
     settings: ControllerSettings | None = None,
-    tick: Callable[[int], object] = lambda frames: None,
+    tick: Tick = quiet,
 ) -> Rollout:
-    """Run the controller over a plan. What turns infinite stays so, for the caller to judge."""
+    """Run the controller for some frames under a plan. What turns infinite stays so, for the caller to judge."""
     controller = Controller(bundle, codes, settings or ControllerSettings())
     state, states = start, []
-    for velocity, facing in zip(plan.velocity, plan.facing, strict=True):
-        state = controller.step(state, Steering(velocity, facing))
+    for frame in range(frames):
+        state = controller.step(state, plan(frame, state))
         states.append(state)
         tick(1)
     roots = [s.path.root for s in states]
@@ -85,6 +67,22 @@ def roll_out(
         np.stack([s.contacts for s in states]),
         np.stack([s.phases for s in states]),
     )
+
+
+def parse_mixture(text: str) -> dict[str, float]:
+    """Styles and weights of `NAME` or `NAME:weight,NAME:weight,...`; raises InputError."""
+    mixture: dict[str, float] = {}
+    for part in text.split(","):
+        name, colon, weight = part.strip().rpartition(":")
+        try:
+            value = float(weight) if colon else 1.0
+        except ValueError as error:
+            raise InputError(f"style {part!r}: expected NAME:weight with a number") from error
+        name = name if colon else weight
+        if not name or name in mixture:
+            raise InputError(f"style {part!r}: a name is missing or named twice")
+        mixture[name] = value
+    return mixture
 
 
 def mixed_code(bundle: Bundle, mixture: dict[str, float]) -> Float[Tensor, " values"]:

@@ -1,0 +1,79 @@
+"""Let a trained character walk, and write its motion as BVH, arrays or a movie."""
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from numpy import ndarray
+from tqdm import tqdm
+
+from stylephase.cli.output import AsJson, emit
+from stylephase.errors import InputError
+from stylephase.features.layout import FPS
+from stylephase.models.bundle import load_bundle
+from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.runtime.calibration import calibrate, speed_of, warm_start
+from stylephase.runtime.export import write_motion
+from stylephase.runtime.plans import FollowPath, Steady, read_path
+from stylephase.runtime.rollout import Rollout, mixed_code, parse_mixture, roll_out, to_clip
+
+FORMATS = (".bvh", ".npz", ".mp4", ".gif")
+# A person's speed (m/s) bounds what may be asked for.
+_FASTEST = 10.0
+
+
+def rollout(
+    weights: Annotated[Path, typer.Option(help="Folder of trained weights.")],
+    style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,NAME:weight,...")],
+    out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(FORMATS)}.")],
+    seconds: Annotated[float, typer.Option(help="Length of the motion.", min=0.1, max=3600.0)] = 10.0,
+    path: Annotated[Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")] = None,
+    speed: Annotated[float, typer.Option(help="Walking speed in m/s.")] = 1.0,
+    turn: Annotated[float, typer.Option(help="Degrees per second to the left.")] = 0.0,
+    strafe: Annotated[float, typer.Option(help="Degrees between facing and way, positive to the left.")] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """Drive one character from a walking start, at a speed that the gain is calibrated for."""
+    _check(out, speed, turn, strafe)
+    points = None if path is None else read_path(path)
+    bundle = load_bundle(weights)
+    mixture = parse_mixture(style)
+    code = mixed_code(bundle, mixture)[None]
+    target = np.array([speed])
+    start = warm_start(bundle, code, target)
+    with tqdm(desc=out.name, unit="frame", disable=None) as bar:
+        gain = calibrate(bundle, code, start, target, tick=bar.update)
+        plan = Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
+        run = roll_out(bundle, code, start, round(seconds * FPS), plan, tick=bar.update)
+    if not np.isfinite(run.positions).all():
+        raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
+    clip = to_clip(run, 0, bundle.body, out.stem)
+    _write(out, clip, run.contacts[:, 0] > 0.5, style)
+    reached = speed_of(run.root_positions[:, 0])
+    result = {"out": out, "style": mixture, "frames": len(clip), "fps": FPS, "gain": gain[0], "speed": reached}
+    text = f"{out}: {len(clip)} frames of {style} at {reached:.2f} m/s (asked: {speed:.2f}, gain {gain[0]:.2f})"
+    emit(result, as_json=as_json, text=text)
+
+
+def _check(out: Path, speed: float, turn: float, strafe: float) -> None:
+    if out.suffix not in FORMATS:
+        raise InputError(f"expected a name that ends in {', '.join(FORMATS)}", out)
+    if not 0 < speed <= _FASTEST:
+        raise InputError(f"speed {speed} m/s is not above 0 and at most {_FASTEST:g}")
+    if not np.isfinite([turn, strafe]).all():
+        raise InputError("turn and strafe should be finite numbers of degrees")
+
+
+def _write(out: Path, clip: Clip, contacts: ndarray, label: str) -> None:
+    """Write the motion; pyvista is only loaded for movies."""
+    if out.suffix in (".bvh", ".npz"):
+        write_motion(out, clip, contacts)
+        return
+    from stylephase.report.render import Motion, movie
+
+    movie(out, Motion(clip.skeleton, forward_kinematics(clip).positions, contacts, label=label), progress=True)
+
+
+def _finite_seconds(run: Rollout) -> float:
+    return float(np.isfinite(run.positions).all(axis=(1, 2, 3)).sum() / FPS)

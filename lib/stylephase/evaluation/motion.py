@@ -1,0 +1,78 @@
+"""Metrics of one character's motion: bones, steps, speed, heading, skating."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from stylephase.features.layout import FPS
+from stylephase.phase.global_phase import touchdowns
+
+# Steps by which feet are said to alternate: so many in all, and this share with the other foot before.
+FEWEST_STEPS, ALTERNATION = 10, 0.9
+
+
+@dataclass(frozen=True)
+class Bones:
+    """How bone lengths hold: coefficient of variation (%) of the median and of the worst bone, and the largest
+
+    distance (mm) of a bone's mean length from its true one (`off`) and of its last second's mean from its first
+    second's (`drift`).
+    """
+
+    median: float
+    worst: float
+    off: float
+    drift: float
+
+
+def bones_of(
+    positions: Float[ndarray, "frames joints 3"], bones: tuple[tuple[int, int], ...], true: Float[ndarray, " bones"]
+) -> Bones:
+    """Bone statistics of a motion; bones are (parent, child), true lengths in metres. Bones of no length are left out."""
+    parents, children = (list(column) for column in zip(*bones, strict=True))
+    lengths = np.linalg.norm(positions[:, parents] - positions[:, children], axis=-1)[:, true > 1e-3]
+    variation, second = 100 * lengths.std(axis=0) / lengths.mean(axis=0), int(FPS)
+    off = np.abs(lengths.mean(axis=0) - true[true > 1e-3])
+    drift = np.abs(lengths[-second:].mean(axis=0) - lengths[:second].mean(axis=0))
+    return Bones(float(np.median(variation)), float(variation.max()), 1000 * float(off.max()), 1000 * float(drift.max()))
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Steps of a walk: how many, the share that follow one of the other foot, and the cycle time (s, 0 for none)."""
+
+    count: int
+    alternation: float
+    cycle: float
+
+    @property
+    def alternate(self) -> bool:
+        """Whether the feet alternate."""
+        return self.count >= FEWEST_STEPS and self.alternation >= ALTERNATION
+
+
+def steps_of(contacts: Bool[ndarray, "frames 2"], fps: float = FPS) -> Steps:
+    """Steps from foot contacts (right, left)."""
+    downs = [touchdowns(contacts[:, foot], fps) for foot in range(2)]
+    order = np.concatenate([np.zeros(len(downs[0])), np.ones(len(downs[1]))])[np.argsort(np.concatenate(downs), kind="stable")]
+    changes = np.diff(order) != 0
+    cycles = [np.median(np.diff(d)) / fps for d in downs if len(d) > 1]
+    return Steps(len(order), float(changes.mean()) if len(changes) else 0.0, float(np.mean(cycles)) if cycles else 0.0)
+
+
+def heading_error(angles: Float[ndarray, " frames"], target: float, seconds: float = 2.0) -> float:
+    """Degrees between a wanted heading (rad) and the mean facing of the last seconds."""
+    last = angles[-int(seconds * FPS) :]
+    off = np.arctan2(np.sin(last - target).mean(), np.cos(last - target).mean())
+    return float(np.degrees(abs(off)))
+
+
+def foot_skate(
+    toes: Float[ndarray, "frames 2 3"], contacts: Bool[ndarray, "frames 2"], fps: float = FPS
+) -> float:
+    """Mean horizontal speed (m/s) of the toes (right, left) over frames in contact before and after; 0 without any."""
+    speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1) * fps
+    held = contacts[1:] & contacts[:-1]
+    return float(speed[held].mean()) if held.any() else 0.0

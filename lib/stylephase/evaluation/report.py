@@ -1,0 +1,79 @@
+"""Everything that is measured of trained weights, as plain values and as a table."""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from stylephase.errors import InputError
+from stylephase.evaluation.rollouts import judge_rollouts
+from stylephase.evaluation.style import recognised, style_space
+from stylephase.evaluation.test_error import mean_over, test_errors
+from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.models.bundle import Bundle
+from stylephase.training.codes import clip_codes
+from stylephase.training.sampler import Scaling
+
+_PREDICTORS = ("network", "dropout", "wrong code", "ridge", "hold", "mean", "untrained")
+
+
+def groups_of(styles: tuple[str, ...]) -> dict[str, list[str]]:
+    """Styles by the part of their name before a hyphen (`set1`, `set2`), where all have one; else all in one group."""
+    prefixes = {style.partition("-")[0] for style in styles if "-" in style}
+    named = all("-" in style for style in styles) and len(prefixes) > 1
+    return {p: [s for s in styles if s.startswith(f"{p}-")] for p in sorted(prefixes)} if named else {"all": list(styles)}
+
+
+def code_spread(bundle: Bundle, styles: list[StyleVectors]) -> dict[str, float]:
+    """Deviation of style codes between styles and within a style: equal ones would show a dead generator."""
+    scaling = Scaling(bundle.normaliser, bundle.body.layout)
+    groups = [clip_codes(bundle.network.generator, style, scaling).numpy() for style in styles]
+    between = np.array([group.mean(axis=0) for group in groups]).var(axis=0).mean()
+    within = np.mean([group.var(axis=0).mean() for group in groups])
+    return {"between": float(np.sqrt(between)), "within": float(np.sqrt(within))}
+
+
+def evaluate_bundle(
+    bundle: Bundle, store: VectorStore, *, seconds: float, tick: Callable[[int], object]
+) -> dict[str, Any]:
+    """Test errors, code spread and rollouts. Raises InputError where the data have another skeleton."""
+    if store.body.to_json()["names"] != bundle.body.to_json()["names"]:
+        raise InputError(f"the weights know another skeleton than {store.catalogue.dataset.name} has")
+    styles = [store.load(style) for style in store.catalogue.styles]
+    errors = test_errors(bundle, styles)
+    groups = {name: mean_over(errors, members) for name, members in groups_of(store.catalogue.styles).items()}
+    result: dict[str, Any] = {
+        "about": bundle.about,
+        "errors": {style: {name: asdict(error) for name, error in one.items()} for style, one in errors.items()},
+        "groups": {name: {rival: asdict(error) for rival, error in one.items()} for name, one in groups.items()},
+        "codes": code_spread(bundle, styles),
+    }
+    if seconds > 0:
+        space = style_space(styles, bundle.body.layout)
+        judgement, _ = judge_rollouts(bundle, styles, space, seconds=seconds, tick=tick)
+        right, clips = recognised(space, styles, bundle.body.layout, "test")
+        result |= {"rollouts": judgement.to_json(), "recognised": {"right": right, "clips": clips}}
+    return result
+
+
+def table(result: dict[str, Any]) -> str:
+    """The main numbers for reading."""
+    lines = ["mean squared error over normalised outputs, and bone length error (mm), on test frames"]
+    for name, errors in result["groups"].items():
+        lines += [f"  {name}"]
+        lines += [f"    {p:10} {errors[p]['mse']:8.4f} {1000 * errors[p]['bll']:8.2f}" for p in _PREDICTORS if p in errors]
+    if "rollouts" in result:
+        lines += ["", f"{'rollout':20} speed  ratio  bones %  worst  off mm  hips cm  steps  skate  turn  stop  nearest"]
+        lines += [_walk_line(walk, result["rollouts"]) for walk in result["rollouts"]["walks"]]
+    return "\n".join(lines)
+
+
+def _walk_line(walk: dict[str, Any], rollouts: dict[str, Any]) -> str:
+    bones, hips = walk["bones"], 100 * (walk["hips"] - walk["data_hips"])
+    steps = f"{walk['steps']['count']:3d}{' ' if walk['alternate'] else '!'}"
+    return (
+        f"{walk['style']:20} {walk['speed']:5.2f}  {walk['speed_ratio']:5.2f}  {bones['median']:7.2f}  {bones['worst']:5.2f}"
+        f"  {bones['off']:6.1f}  {hips:7.1f}  {steps:>5}  {walk['skate']:5.2f}  {rollouts['turns'][walk['style']]:4.1f}"
+        f"  {rollouts['stops'][walk['style']]:4.2f}  {walk['nearest']}"
+    )
