@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from stylephase.data.archive import fetch
 from stylephase.data.layouts import Entry, find_entries
 from stylephase.data.registry import Dataset, dataset
-from stylephase.errors import InputError
+from stylephase.errors import InputError, hint
 from stylephase.motion.bvh import read_bvh
 from stylephase.motion.clip import Clip, resample
 from stylephase.motion.skeleton import Skeleton
@@ -66,10 +65,7 @@ def check_styles(asked: Iterable[str], known: Sequence[str]) -> None:
     """Raise InputError for the first style that is not known, with the ones spelt alike, or else all."""
     for style in asked:
         if style not in known:
-            by_lower = {name.lower(): name for name in known}
-            close = [by_lower[name] for name in get_close_matches(style.lower(), by_lower, n=5)]
-            hint = f"did you mean {' or '.join(close)}?" if close else f"there are {', '.join(known)}"
-            raise InputError(f"no style {style!r}; {hint}")
+            raise InputError(f"no style {style!r}; {hint(style, known)}")
 
 
 def load_clip(entry: Entry, dataset: Dataset, *, fps: float = 60.0, skeleton: Skeleton | None = None) -> Clip:

@@ -12,6 +12,8 @@ DATA = Path(__file__).resolve().parents[3] / "data"
 REGISTRY = DATA / "registry.toml"
 # A name that begins so is a folder of the user's own BVH files: `own:FOLDER`.
 OWN = "own:"
+# The contact rule for files of which nothing is known: a middle one, between those of the registered sets.
+MIDDLE_CONTACT = ContactRule(speed=0.3, height=0.03)
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def dataset(name: str) -> Dataset:
 
 
 def _own(name: str) -> Dataset:
-    """The user's own files. The contact rule is a middle one, between those of the registered sets."""
+    """The user's own files."""
     return Dataset(
         name=name,
         title="BVH files of your own",
@@ -83,5 +85,5 @@ def _own(name: str) -> Dataset:
         credit="the user",
         source=name.removeprefix(OWN),
         layout="own",
-        contact=ContactRule(speed=0.3, height=0.03),
+        contact=MIDDLE_CONTACT,
     )

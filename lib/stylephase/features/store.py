@@ -20,8 +20,8 @@ from stylephase.features.layout import FPS
 from stylephase.features.vectors import vectors
 from stylephase.files import read_json, write_arrays, write_json
 from stylephase.motion.clip import Clip, Pose, forward_kinematics
-from stylephase.motion.contacts import foot_contacts
-from stylephase.phase.local import hand_directions, local_phases, variant
+from stylephase.phase.local import hand_directions, variant
+from stylephase.phase.take import pose_phases
 
 # The split is drawn once for a data set; another seed would let a model see another's test frames.
 _SPLIT_SEED = 0
@@ -133,10 +133,9 @@ def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> 
 
 
 def _take_vectors(catalogue: Catalogue, clip: Clip, pose: Pose, directions: ndarray, body: Body, phases: str):
-    sensors = pose.positions[:, list(body.skeleton.roles.toe_sensors[::-1])]
-    contacts = foot_contacts(sensors, clip.fps, catalogue.dataset.contact)
-    local = local_phases(pose, body.skeleton, clip.fps, contacts, directions, variant(phases))
-    made = vectors(pose, body.skeleton, body.rest, clip.fps, local.vectors, contacts)
+    rule, how = catalogue.dataset.contact, variant(phases)
+    found = pose_phases(pose, body.skeleton, clip.fps, rule, directions, how)
+    made = vectors(pose, body.skeleton, body.rest, clip.fps, found.local.vectors, found.contacts)
     return made.x, made.p, made.y
 
 

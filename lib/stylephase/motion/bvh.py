@@ -3,7 +3,8 @@
 Numbers in a file are degrees and the file's own unit of length; a `Clip` holds quaternions and metres.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from stylephase.errors import InputError
 from stylephase.files import write_text
 from stylephase.motion.clip import Clip
 from stylephase.motion.rotations import from_euler, from_matrix, to_euler, to_matrix
-from stylephase.motion.skeleton import Skeleton
+from stylephase.motion.skeleton import Skeleton, with_effectors
 
 CENTIMETRE = 0.01
 # Units met in BVH files: metre, centimetre, millimetre, inch, and that of the CMU skeleton (2.54 cm / 0.45).
@@ -81,10 +82,11 @@ def _short(words: list[str]) -> str:
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
-def read_bvh(path: str | Path, *, metres_per_unit: float | None = None) -> Clip:
+def read_bvh(path: str | Path, *, metres_per_unit: float | None = None, effectors: Sequence[str] | None = None) -> Clip:
     """Read a BVH file.
 
     `metres_per_unit` is the file's unit of length (m); left out, it is guessed from the length of the legs.
+    `effectors` name the joints of LeftHand, RightHand, LeftFoot and RightFoot where they are called otherwise.
     Joints above the hips (a single chain, such as `joint_Root` over `Hips`) are composed into the hips. A constant
     position channel of another joint replaces its offset.
 
@@ -94,7 +96,10 @@ def read_bvh(path: str | Path, *, metres_per_unit: float | None = None) -> Clip:
     lines = _Lines(Path(path))
     nodes = _read_hierarchy(lines)
     frame_time, values = _read_motion(lines, sum(len(node.channels) for node in nodes))
-    return _to_clip(lines.path, nodes, 1.0 / frame_time, values, metres_per_unit)
+    try:
+        return _to_clip(lines.path, nodes, 1.0 / frame_time, values, metres_per_unit, effectors)
+    except InputError as error:
+        raise InputError(error.reason, lines.path, error.line) from error
 
 
 def _read_hierarchy(lines: _Lines) -> list[_Node]:
@@ -203,7 +208,14 @@ def _read_rows(lines: _Lines, channels: int, announced: int) -> Float[ndarray, "
     return np.array(rows)
 
 
-def _to_clip(path: Path, nodes: list[_Node], fps: float, values: ndarray, metres_per_unit: float | None) -> Clip:
+def _to_clip(
+    path: Path,
+    nodes: list[_Node],
+    fps: float,
+    values: ndarray,
+    metres_per_unit: float | None,
+    effectors: Sequence[str] | None,
+) -> Clip:
     positions, rotations = [_positions(node, values) for node in nodes], _rotations(nodes, values)
     top = _hips_node(nodes)
     root_positions, root_rotations = positions[0], rotations[:, 0]
@@ -218,12 +230,13 @@ def _to_clip(path: Path, nodes: list[_Node], fps: float, values: ndarray, metres
         offsets=np.array([np.zeros(3) if n == top else np.median(positions[n], axis=0) for n in kept]),
         sites=tuple(nodes[n].site for n in kept),
     )
+    skeleton = skeleton if effectors is None else with_effectors(skeleton, effectors)
     scale = guess_unit(skeleton) if metres_per_unit is None else metres_per_unit
     for n in kept[1:]:
         if np.ptp(positions[n], axis=0).max() * scale > _STRETCH:
-            raise InputError(f"joint {nodes[n].name} moves against its parent; only the hips may", path, nodes[n].line)
+            raise InputError(f"joint {nodes[n].name} moves against its parent; only the hips may", line=nodes[n].line)
     return Clip(
-        skeleton=Skeleton(skeleton.names, skeleton.parents, skeleton.offsets * scale, skeleton.sites),
+        skeleton=replace(skeleton, offsets=skeleton.offsets * scale),
         fps=round(fps, 2),
         rotations=np.concatenate([root_rotations[:, None], rotations[:, kept[1:]]], axis=1),
         root_positions=root_positions * scale,

@@ -4,14 +4,15 @@ Any skeleton will do: joint count, end effectors and mirror pairs come from name
 """
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from stylephase.errors import InputError
+from stylephase.errors import InputError, hint
 
 SIDES = ("left", "right")
 _SIDE_WORDS = {"left": "left", "right": "right", "l": "left", "r": "right"}
@@ -28,13 +29,15 @@ class Skeleton:
 
     `names[j]` is joint j's name, `parents[j]` its parent's index (-1 for joint 0, the hips; a parent comes before
     its children), `offsets[j]` (m) its place in the parent's frame, `sites[j]` whether it is an end site, which
-    never rotates.
+    never rotates. `effectors` are the joints of LeftHand, RightHand, LeftFoot and RightFoot where their names do not
+    tell.
     """
 
     names: tuple[str, ...]
     parents: tuple[int, ...]
     offsets: Float[ndarray, "joints 3"]
     sites: tuple[bool, ...]
+    effectors: tuple[int, int, int, int] | None = None
 
     def __post_init__(self):
         if not len(self.names) == len(self.parents) == len(self.offsets) == len(self.sites):
@@ -46,9 +49,9 @@ class Skeleton:
         return len(self.names)
 
     def index(self, name: str) -> int:
-        """Index of the joint called `name`; raises InputError with the names there are."""
+        """Index of the joint called `name`; raises InputError with the names spelt alike, or else all."""
         if name not in self.names:
-            raise InputError(f"no joint {name!r}; this skeleton has {', '.join(self.names)}")
+            raise InputError(f"no joint {name!r}; {hint(name, self.names)}")
         return self.names.index(name)
 
     def children(self, joint: int) -> list[int]:
@@ -65,7 +68,10 @@ class Skeleton:
     @cached_property
     def roles(self) -> "Roles":
         """The joints that play a part in the methods, found by name and tree; raises InputError if one is missing."""
-        return find_roles(self)
+        if self.effectors is None:
+            return find_roles(self)
+        left_hand, right_hand, left_toe, right_toe = self.effectors
+        return roles_from_effectors(self, hands=(left_hand, right_hand), toes=(left_toe, right_toe))
 
     @cached_property
     def mirrored(self) -> Int[ndarray, " joints"]:
@@ -91,6 +97,19 @@ class Roles:
 
 
 EFFECTOR_NAMES = ("LeftHand", "RightHand", "LeftFoot", "RightFoot")
+
+
+def with_effectors(skeleton: Skeleton, names: Sequence[str]) -> Skeleton:
+    """The skeleton with its end effectors named, in the order of `EFFECTOR_NAMES`.
+
+    Raises InputError: not four names, a name twice, no such joint, a foot that hangs on the other one.
+    """
+    if len(names) != len(EFFECTOR_NAMES) or len(set(names)) != len(names):
+        raise InputError(f"expected four different joints for {', '.join(EFFECTOR_NAMES)}, found {', '.join(names)}")
+    left_hand, right_hand, left_foot, right_foot = (skeleton.index(name) for name in names)
+    if left_foot in skeleton.chain(right_foot) or right_foot in skeleton.chain(left_foot):
+        raise InputError(f"{names[2]} and {names[3]} cannot be the two feet: one hangs on the other")
+    return replace(skeleton, effectors=(left_hand, right_hand, left_foot, right_foot))
 
 
 def _words(name: str) -> tuple[str, ...]:

@@ -1,8 +1,12 @@
 """The global phase of the 2018 paper: 0 where the right foot touches down, pi where the left does ([M18] 5.1)."""
 
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
+
+from stylephase.phase.circular import wrap
 
 # Contacts broken for less than this, and contacts shorter than this, are noise (s).
 _GAP_SECONDS, _BLIP_SECONDS = 10 / 120, 12 / 120
@@ -10,8 +14,8 @@ _GAP_SECONDS, _BLIP_SECONDS = 10 / 120, 12 / 120
 
 def touchdowns(contact: Bool[ndarray, " frames"], fps: float) -> ndarray:
     """Frames at which a foot comes down, after closing short gaps and dropping short contacts."""
-    closed = _without_runs(contact, False, int(round(_GAP_SECONDS * fps)))
-    clean = _without_runs(closed, True, int(round(_BLIP_SECONDS * fps)))
+    closed = _without_runs(contact, False, round(_GAP_SECONDS * fps))
+    clean = _without_runs(closed, True, round(_BLIP_SECONDS * fps))
     return np.flatnonzero(clean[1:] & ~clean[:-1]) + 1
 
 
@@ -19,7 +23,7 @@ def _without_runs(values: Bool[ndarray, " frames"], of: bool, shorter: int) -> B
     """Flip inner runs of the value `of` that have fewer than `shorter` frames."""
     edges = np.flatnonzero(np.diff(values)) + 1
     result = values.copy()
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         if values[start] == of and stop - start < shorter:
             result[start:stop] = not of
     return result
@@ -40,7 +44,7 @@ def global_phase(contacts: Bool[ndarray, "frames 2"], fps: float) -> Float[ndarr
     together = np.diff(frames) < 1
     steps = np.where(same_foot & ~together, 2 * np.pi, advance)
     unwrapped = targets[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    return np.mod(_interpolate(np.arange(len(contacts)), frames, unwrapped), 2 * np.pi)
+    return wrap(_interpolate(np.arange(len(contacts)), frames, unwrapped), 2 * np.pi)
 
 
 def _interpolate(at: ndarray, frames: ndarray, phase: ndarray) -> ndarray:

@@ -10,6 +10,7 @@ from stylephase.errors import InputError
 from stylephase.motion.clip import Pose, velocities
 from stylephase.motion.root import hips_frame
 from stylephase.motion.skeleton import Skeleton
+from stylephase.phase.circular import wrap
 from stylephase.phase.sinusoid import fit_sinusoids
 from stylephase.phase.source import contact_source, low_pass, prepared, principal_direction, principal_source
 
@@ -76,23 +77,27 @@ def hand_directions(poses: list[Pose], skeleton: Skeleton) -> Float[ndarray, "2 
     return np.stack([principal_direction(centred[:, hand]) for hand in range(2)])
 
 
-def local_phases(
+def source_functions(
     pose: Pose,
     skeleton: Skeleton,
     fps: float,
     contacts: Bool[ndarray, "frames 2"],
     directions: Float[ndarray, "2 3"],
     how: PhaseVariant,
-) -> LocalPhases:
-    """Local phases of a take: feet from their contacts (given right, left), hands from their principal direction.
+) -> Float[ndarray, "frames 4"]:
+    """Prepared source functions: feet from their contacts (given right, left), hands from their principal direction.
 
     Differs: the release's contact source lags by one frame, ours does not.
     """
-    places = hips_frame(pose, skeleton, skeleton.roles.effectors)
+    places = hips_frame(pose, skeleton, skeleton.roles.hands)
     hands = [principal_source(places[:, hand], directions[hand]) for hand in range(2)]
     feet = [contact_source(contacts[:, foot]) for foot in (1, 0)]
-    sources = prepared(np.stack([*hands, *feet], axis=1), fps, how.normalise_seconds)
-    return phases_of_sources(sources, np.linalg.norm(velocities(places, fps), axis=-1), fps, how)
+    return prepared(np.stack([*hands, *feet], axis=1), fps, how.normalise_seconds)
+
+
+def effector_speeds(pose: Pose, skeleton: Skeleton, fps: float) -> Float[ndarray, "frames 4"]:
+    """Speeds (m/s) of the end effectors in the hips' frame."""
+    return np.linalg.norm(velocities(hips_frame(pose, skeleton, skeleton.roles.effectors), fps), axis=-1)
 
 
 def phases_of_sources(
@@ -108,14 +113,14 @@ def phases_of_sources(
     speed = np.stack([_speed(s, f, fps, how) for s, f in zip(speeds.T, frequency.T, strict=True)], axis=1)
     angles = 2 * np.pi * phase
     smooth = np.arctan2(low_pass(np.sin(angles), fps), low_pass(np.cos(angles), fps)) / (2 * np.pi)
-    return LocalPhases(np.mod(smooth, 1.0), np.maximum(low_pass(amplitude * speed, fps), 0.0), frequency)
+    return LocalPhases(wrap(smooth), np.maximum(low_pass(amplitude * speed, fps), 0.0), frequency)
 
 
 def _speed(speed: ndarray, frequency: ndarray, fps: float, how: PhaseVariant) -> ndarray:
     if how.peak_speed:
         periods = fps / np.maximum(frequency, 1e-9)
         return peak_within(speed, np.where(frequency > 0, np.minimum(periods / 2, len(speed)), 0).astype(int))
-    half = int(round(fps / 2))
+    half = round(fps / 2)
     sums = np.concatenate([[0.0], np.cumsum(np.pad(speed, half, mode="edge"))])
     return (sums[2 * half + 1 :] - sums[: -(2 * half + 1)]) / (2 * half + 1)
 

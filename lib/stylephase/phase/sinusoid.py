@@ -11,6 +11,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from stylephase.phase.circular import wrap
+
 # Bounds of the frequency in Hz ([M22] release).
 FREQUENCIES = (0.25, 4.0)
 _GRID = 24
@@ -51,7 +53,7 @@ def fit_sinusoids(
 
     Bounds as in the release: amplitude at most the window's range, offset within it.
     """
-    half = max(1, min(int(round(window_seconds * fps / 2)), (len(signal) - 1) // 2))
+    half = max(1, min(round(window_seconds * fps / 2), (len(signal) - 1) // 2))
     if len(signal) < 3:
         return Sinusoids(*np.zeros((4, len(signal))))
     fit = _fit_all(signal, None, fps, half, ridge)
@@ -69,7 +71,7 @@ def _fit_all(signal: ndarray, neighbours: ndarray | None, fps: float, half: int,
     sine, cosine, frequency, offset = (np.concatenate(column) for column in zip(*parts, strict=True))
     amplitude = np.hypot(sine, cosine)
     delay = (np.arange(len(signal)) - centres) / fps
-    phase = np.mod(np.arctan2(cosine, sine) / (2 * np.pi) + frequency * delay, 1.0)
+    phase = wrap(np.arctan2(cosine, sine) / (2 * np.pi) + frequency * delay)
     return Sinusoids(amplitude, frequency, np.where(amplitude > 0, phase, 0.0), offset)
 
 
@@ -150,7 +152,7 @@ class _Problem:
 
 
 def _within(sine: ndarray, cosine: ndarray, ss, cc, most: ndarray, steps: int) -> tuple[ndarray, ndarray]:
-    """The nearest point to (sine, cosine), in the metric of the square sums ss and cc, with amplitude at most `most`."""
+    """The nearest point to (sine, cosine), in the metric of the sums ss and cc, with amplitude at most `most`."""
     over = np.flatnonzero(np.hypot(sine, cosine) > most)
     if len(over):
         ss, cc = (np.broadcast_to(squares, sine.shape)[over] for squares in (ss, cc))

@@ -28,7 +28,9 @@ def principal_direction(positions: Float[ndarray, "frames 3"]) -> Float[ndarray,
     return first if towards >= 0 else -first
 
 
-def principal_source(positions: Float[ndarray, "frames 3"], direction: Float[ndarray, "3"]) -> Float[ndarray, " frames"]:
+def principal_source(
+    positions: Float[ndarray, "frames 3"], direction: Float[ndarray, "3"]
+) -> Float[ndarray, " frames"]:
     """The contact-free source: a bone's position (m) along its principal direction ([M22] 4.1.3)."""
     return (positions - positions.mean(axis=0)) @ direction
 
@@ -44,14 +46,16 @@ def window_zscore(values: Float[ndarray, "frames channels"], frames: int) -> Flo
 
 def low_pass(values: Float[ndarray, "frames *channels"], fps: float) -> Float[ndarray, "frames *channels"]:
     """Butterworth filter forward and backward, so that nothing is delayed; a clip of a few frames stays as it is."""
-    if 2 * _CUTOFF >= fps or len(values) < 4:
+    if fps <= 2 * _CUTOFF or len(values) < 4:
         return values
     padding = min(3 * (_ORDER + 1), len(values) - 1)
     return filtfilt(*butter(_ORDER, _CUTOFF, fs=fps), values, axis=0, padtype="constant", padlen=padding)
 
 
-def prepared(values: Float[ndarray, "frames channels"], fps: float, window_seconds: float) -> Float[ndarray, "frames channels"]:
+def prepared(
+    values: Float[ndarray, "frames channels"], fps: float, window_seconds: float
+) -> Float[ndarray, "frames channels"]:
     """A source function ready for the fit: normalised in a window, smoothed, silence set to zero ([M22] 4.1.4)."""
-    half = int(round(window_seconds * fps / 2))
+    half = round(window_seconds * fps / 2)
     smooth = low_pass(window_zscore(values, 2 * half + 1), fps)
     return np.where(np.abs(smooth) < _SILENT, 0.0, smooth)
