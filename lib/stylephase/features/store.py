@@ -122,13 +122,16 @@ def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> 
         _take_vectors(catalogue, clip, pose, directions[entry.gait], body, phases)
         for clip, pose, entry in zip(takes, poses, entries, strict=True)
     ]
+    x, p, y = (np.concatenate(column).astype(np.float32) for column in zip(*rows, strict=True))
     return StyleVectors(
-        style,
-        all(entry.symmetric for entry in entries),
-        tuple(entry.gait for entry in entries),
-        *(np.concatenate(column).astype(np.float32) for column in zip(*rows, strict=True)),
-        np.repeat(np.arange(len(takes)), [len(part) for part in parts]),
-        np.concatenate(parts),
+        style=style,
+        symmetric=all(entry.symmetric for entry in entries),
+        gaits=tuple(entry.gait for entry in entries),
+        x=x,
+        p=p,
+        y=y,
+        take=np.repeat(np.arange(len(takes)), [len(part) for part in parts]),
+        part=np.concatenate(parts),
     )
 
 
