@@ -140,6 +140,24 @@ def test_speeds_and_directions_are_those_of_the_gait(name):
         assert along[gait][:, 1].max() > 0.25 * style.speed and along[gait][:, 1].min() < -0.25 * style.speed
 
 
+@pytest.mark.parametrize("name", [style.name for style in STYLES if not style.hop])
+def test_feet_do_not_cross_going_sideways(name):
+    """The left toe stays to the left of the right one by some centimetres, whichever foot leads."""
+    for gait in ("SW", "SR"):
+        clip, truth = take(name, gait)
+        pose = forward_kinematics(clip)
+        apart = pose.positions[:, SITES[1]] - pose.positions[:, SITES[0]]
+        across = np.einsum("ti,ti->t", pose.rotations[:, 0, :, 0], apart)[slice(*truth.cut)]
+        assert across.min() > 0.02
+
+
+def test_transitions_hold_a_moment_of_standing_between_walk_and_run():
+    """Both feet are down and the phases rest, although the style is one of the quicker ones."""
+    _, truth = walk(find_style("Plain"), "TR1", seconds=12.0)
+    resting = truth.contacts.all(axis=1) & (truth.frequency[:, 2:] == 0).all(axis=1)
+    assert resting[slice(*truth.cut)].sum() > 20
+
+
 def test_a_turn_of_ninety_degrees_faces_ninety_degrees_further():
     clip, _ = walk(find_style("Plain"), "FW", plan=steady(4.0, forward=1.2, turn=np.pi / 8))
     forward = forward_kinematics(clip).rotations[:, 0, :, 2]

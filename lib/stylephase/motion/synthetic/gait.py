@@ -119,7 +119,7 @@ def _places(
     facing = course.at(clock, course.facing)
     narrower = 1 - 0.4 * course.at(clock, course.run)
     way = np.abs(course.at(clock, course.velocity[:, 1])) / np.maximum(course.at(clock, course.rate), 0.4)
-    left = sign * narrower * (style.half_width + 0.25 * way) + rng.normal(0, 0.004, len(clock))
+    left = sign * (style.half_width * narrower + 0.25 * way) + rng.normal(0, 0.004, len(clock))
     forward = rng.normal(0, 0.006, len(clock)) - (0.1 if style.drag == side else 0.0)
     path = np.stack([course.at(clock, course.position[:, k]) for k in (0, 1)], axis=1)
     ground = path + from_facing(facing, np.stack([forward, left], axis=1))

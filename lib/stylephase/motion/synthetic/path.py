@@ -50,14 +50,15 @@ def plan_gait(style: WalkStyle, gait: str, seconds: float, rng: np.random.Genera
     stand = np.zeros(4)
     parts = [(_STANDING, stand)]
     parts += [(share * seconds, target) for share, target in _segments(style, gait, seconds, rng)]
-    parts += [(_STANDING, stand)]
+    # At the end the feet first have to come home.
+    parts += [(_STANDING + 0.5 * style.cycle, stand)]
     # The cut starts and ends well inside the gait itself, since the easing reaches over the joints.
     parts[1] = (parts[1][0] + LEAD - _STANDING, parts[1][1])
     parts[-2] = (parts[-2][0] + LEAD - _STANDING, parts[-2][1])
     targets = np.concatenate([np.tile(target, (round(length * FPS), 1)) for length, target in parts])
     eased = gaussian_filter1d(targets, _EASE * FPS, axis=0, mode="nearest", truncate=2.0)
     lead = round(LEAD * FPS)
-    return Plan(eased[:, :2], eased[:, 2], eased[:, 3], (lead, len(eased) - lead))
+    return Plan(eased[:, :2], eased[:, 2], eased[:, 3], (lead, lead + round(seconds * FPS)))
 
 
 def _segments(
@@ -68,8 +69,8 @@ def _segments(
         return [(1.0, np.zeros(4))]
     walk, run = style.speed, style.run_speed
     if gait == "TR1":
-        parts = [(0.2, [walk, 0, 0.2, 0]), (0.1, [0, 0, 0, 0]), (0.2, [run, 0, -0.2, 1]), (0.15, [walk, 0, 0, 0])]
-        parts += [(0.12, [0, _SIDE * walk, 0, 0]), (0.08, [0, 0, 0, 0]), (0.15, [-_BACK * walk, 0, 0, 0])]
+        parts = [(0.17, [walk, 0, 0.2, 0]), (0.24, [0, 0, 0, 0]), (0.17, [run, 0, -0.2, 1]), (0.12, [walk, 0, 0, 0])]
+        parts += [(0.11, [0, _SIDE * walk, 0, 0]), (0.06, [0, 0, 0, 0]), (0.13, [-_BACK * walk, 0, 0, 0])]
         return [(share, np.array(target, dtype=float)) for share, target in parts]
     return _varied(style, gait, seconds, rng)
 
@@ -157,7 +158,7 @@ def _clock(
     pace = np.clip(np.linalg.norm(stride, axis=1), 0.3, 2.0) ** 0.4 * (1 + 0.2 * np.minimum(np.abs(stride[:, 1]), 1))
     moving = (np.linalg.norm(velocity, axis=1) > 0.03) | (np.abs(turn) > 0.05)
     stepping = _until_feet_are_home(moving, style.cycle)
-    rate = own * pace * gaussian_filter1d(stepping.astype(float), 0.08 * FPS, truncate=3.0)
+    rate = own * pace * gaussian_filter1d(stepping.astype(float), 0.06 * FPS, truncate=3.0)
     start, grid = rest(style)
     edges = np.flatnonzero(np.diff((rate > 0).astype(int), prepend=0, append=0))
     for begin, end in edges.reshape(-1, 2):
@@ -175,6 +176,6 @@ def rest(style: WalkStyle) -> tuple[float, float]:
 
 
 def _until_feet_are_home(moving: Bool[ndarray, " frames"], cycle: float) -> Bool[ndarray, " frames"]:
-    """Moving, and three quarters of a cycle after it, in which the feet come to stand side by side."""
-    half = round(0.375 * cycle * FPS)
+    """Moving, and half a cycle after it, in which the feet come to stand side by side."""
+    half = round(0.25 * cycle * FPS)
     return maximum_filter1d(moving, 2 * half + 1, origin=half, mode="nearest")
