@@ -234,7 +234,7 @@ def moved(clip: Clip, angle: float, x: float, z: float) -> Clip:
     world = Rotation.from_euler("y", angle)
     hips = world * Rotation.from_quat(clip.rotations[:, 0], scalar_first=True)
     rotations = np.concatenate([hips.as_quat(scalar_first=True)[:, None], clip.rotations[:, 1:]], axis=1)
-    return replace(clip, rotations=rotations, root_positions=world.apply(clip.root_positions) + [x, 0.0, z])
+    return replace(clip, rotations=rotations, root_positions=world.apply(clip.root_positions) + np.array([x, 0.0, z]))
 
 
 @pytest.fixture(scope="session")

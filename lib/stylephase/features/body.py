@@ -34,8 +34,8 @@ class Body:
     @cached_property
     def bones(self) -> tuple[tuple[int, int], ...]:
         """(parent, child) pairs among the feature joints, by their place in the vectors."""
-        place = {joint: k for k, joint in enumerate(self.joints)}
-        return tuple((place[self.skeleton.parents[j]], place[j]) for j in self.joints if self.skeleton.parents[j] in place)
+        place, parents = {joint: k for k, joint in enumerate(self.joints)}, self.skeleton.parents
+        return tuple((place[parents[j]], place[j]) for j in self.joints if parents[j] in place)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values for a file beside the weights."""

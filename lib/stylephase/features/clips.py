@@ -25,6 +25,9 @@ def clip_rows(
             continue
         if gaits is not None and style.gaits[style.take[stretch[0]]] not in gaits:
             continue
-        starts = range(0, max(len(stretch) - frames, 0) + 1, CLIP_STRIDE)
-        windows += [np.resize(stretch[start:], frames) if len(stretch) < frames else stretch[start : start + frames] for start in starts]
+        if len(stretch) < frames:
+            windows.append(np.resize(stretch, frames))
+        else:
+            starts = range(0, len(stretch) - frames + 1, CLIP_STRIDE)
+            windows += [stretch[start : start + frames] for start in starts]
     return np.array(windows, dtype=int).reshape(-1, frames)

@@ -12,7 +12,8 @@ from numpy import ndarray
 
 from stylephase.motion.skeleton import Skeleton
 
-# Trajectory samples in frames of 60 per second: every 1/6 s of the past second, every 1/5 s of the next ([M22] release).
+# Trajectory samples in frames of 60 per second: every 1/6 s of the past second and every 1/5 s of the next, as in the
+# release.
 INPUT_SAMPLES = (-60, -50, -40, -30, -20, -10, 0, 12, 24, 36, 48, 60)
 OUTPUT_SAMPLES = (0, 12, 24, 36, 48, 60)
 # Frames of a style clip, and the step between two ([M22] 3.2, release).
@@ -56,30 +57,37 @@ class Layout:
 
     @property
     def x_trajectory(self) -> slice:
+        """Past and future trajectory in x: place and facing (x, z) of each sample."""
         return slice(0, 4 * len(INPUT_SAMPLES))
 
     @property
     def x_pose(self) -> slice:
+        """Pose in x."""
         return slice(4 * len(INPUT_SAMPLES), self.inputs)
 
     @property
     def y_trajectory(self) -> slice:
+        """Future trajectory in y; its first sample is the next root."""
         return slice(0, 4 * len(OUTPUT_SAMPLES))
 
     @property
     def y_pose(self) -> slice:
+        """Pose of the next frame in y."""
         return slice(self.y_trajectory.stop, self.y_trajectory.stop + self.pose)
 
     @property
     def y_phases(self) -> slice:
+        """Phase vectors of the next frame in y."""
         return slice(self.y_pose.stop, self.y_pose.stop + _PHASES)
 
     @property
     def y_phase_updates(self) -> slice:
+        """Change of the phase vectors in y."""
         return slice(self.y_phases.stop, self.y_phases.stop + _PHASES)
 
     @property
     def y_contacts(self) -> slice:
+        """Foot contacts (right, left) of the next frame in y."""
         return slice(self.y_phase_updates.stop, self.y_phase_updates.stop + 2)
 
     @cached_property

@@ -38,7 +38,8 @@ class Moments:
         if mirror is not None:
             source, sign = mirror
             total, squares, times = total + total[source] * sign, squares + squares[source], 2
-        self.count, self.total, self.squares = self.count + times * len(rows), self.total + total, self.squares + squares
+        self.count += times * len(rows)
+        self.total, self.squares = self.total + total, self.squares + squares
 
     def mean_std(self) -> tuple[Float[ndarray, " width"], Float[ndarray, " width"]]:
         """Mean and population deviation."""

@@ -1,6 +1,7 @@
 """Vectors of a whole data set, one file per style, kept in the cache under a key of data, settings and source."""
 
 import hashlib
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,14 +12,14 @@ from numpy import ndarray
 import stylephase
 from stylephase.data.archive import cache_folder, fetch
 from stylephase.data.catalogue import Catalogue, cut_frames, load_clip, usable
-from stylephase.data.layouts import hash_content
+from stylephase.data.layouts import find_entries
 from stylephase.data.registry import OWN
 from stylephase.data.split import PARTS, split
 from stylephase.errors import InputError
 from stylephase.features.body import Body, body_from_json, body_of
 from stylephase.features.layout import FPS
 from stylephase.features.vectors import vectors
-from stylephase.files import read_json, write_arrays, write_json
+from stylephase.files import read_json, sha256, write_arrays, write_json
 from stylephase.motion.clip import Clip, Pose, forward_kinematics
 from stylephase.phase.local import hand_directions, variant
 from stylephase.phase.take import pose_phases
@@ -60,19 +61,24 @@ class VectorStore:
 
     def __init__(self, catalogue: Catalogue, phases: str):
         self.catalogue, self.phases, self.how = catalogue.without_idle(), phases, variant(phases)
-        self.folder = cache_folder() / "vectors" / f"{_safe(catalogue.dataset.name)}-{phases}-{_key(catalogue)[:12]}"
+        # Cache and body belong to the whole data set, whichever of its styles are asked for.
+        dataset = catalogue.dataset
+        self._whole = Catalogue(dataset, find_entries(dataset.layout, fetch(dataset))).without_idle()
+        self.folder = cache_folder() / "vectors" / f"{_safe(dataset.name)}-{phases}-{_key(self._whole)[:12]}"
 
     @property
     def body(self) -> Body:
         """The data set's body."""
         path = self.folder / "body.json"
         if not path.exists():
-            write_json(path, body_of(self.catalogue).to_json())
+            write_json(path, body_of(self._whole).to_json())
         return body_from_json(read_json(path))
 
     def path(self, style: str) -> Path:
         """The cached file of one style."""
-        return self.folder / f"{_safe(style)}.npz"
+        plain = _safe(style)
+        # Two styles may come out alike.
+        return self.folder / f"{plain if plain == style else f'{plain}-{zlib.crc32(style.encode()):08x}'}.npz"
 
     def load(self, style: str) -> StyleVectors:
         """The vectors of one style, from the cache or computed."""
@@ -94,8 +100,10 @@ def _safe(name: str) -> str:
 
 def _key(catalogue: Catalogue) -> str:
     """Hash of the data and of the source that makes vectors from it, so that the cache is never stale."""
-    own = catalogue.dataset.name.startswith(OWN)
-    data = hash_content(catalogue.entries) if own else fetch(catalogue.dataset).name
+    if catalogue.dataset.name.startswith(OWN):
+        data = "\n".join(f"{sha256(entry.path)} {entry.style}/{entry.path.name}" for entry in catalogue.entries)
+    else:
+        data = fetch(catalogue.dataset).name
     library = Path(stylephase.__file__).parent
     sources = [path for pattern in _SOURCES for path in sorted(library.glob(pattern))]
     return hashlib.sha256(data.encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()

@@ -70,7 +70,7 @@ def test_the_floor_is_the_takes_own(limping, floor):
     toes = forward_kinematics(limping).positions[:, list(limping.skeleton.roles.toe_sensors)]
     expected = foot_contacts(toes, 60.0, RULE)
     assert expected.any(axis=0).all() and not expected.all(axis=0).any()
-    np.testing.assert_array_equal(foot_contacts(toes + [0.0, floor, 0.0], 60.0, RULE), expected)
+    np.testing.assert_array_equal(foot_contacts(toes + np.array([0.0, floor, 0.0]), 60.0, RULE), expected)
 
 
 def test_a_frame_that_dips_below_the_floor_does_not_move_it():
