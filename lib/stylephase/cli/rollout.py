@@ -28,7 +28,9 @@ def rollout(
     style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,NAME:weight,...")],
     out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(FORMATS)}.")],
     seconds: Annotated[float, typer.Option(help="Length of the motion.", min=0.1, max=3600.0)] = 10.0,
-    path: Annotated[Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")] = None,
+    path: Annotated[
+        Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")
+    ] = None,
     speed: Annotated[float, typer.Option(help="Walking speed in m/s.")] = 1.0,
     turn: Annotated[float, typer.Option(help="Degrees per second to the left.")] = 0.0,
     strafe: Annotated[float, typer.Option(help="Degrees between facing and way, positive to the left.")] = 0.0,

@@ -20,4 +20,8 @@ def vectors(
     store = VectorStore(load_catalogue(data), phases)
     chosen = store.catalogue.styles if styles is None else load_catalogue(data, styles.split(",")).styles
     rows = {style: len(store.load(style).x) for style in tqdm(chosen, desc="vectors", unit="style", disable=None)}
-    emit({"data": data, "folder": store.folder, "rows": rows}, as_json=as_json, text=f"{sum(rows.values())} rows in {store.folder}")
+    emit(
+        {"data": data, "folder": store.folder, "rows": rows},
+        as_json=as_json,
+        text=f"{sum(rows.values())} rows in {store.folder}",
+    )

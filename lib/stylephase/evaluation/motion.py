@@ -30,13 +30,15 @@ class Bones:
 def bones_of(
     positions: Float[ndarray, "frames joints 3"], bones: tuple[tuple[int, int], ...], true: Float[ndarray, " bones"]
 ) -> Bones:
-    """Bone statistics of a motion; bones are (parent, child), true lengths in metres. Bones of no length are left out."""
+    """Bone statistics of a motion; bones are (parent, child), true lengths in metres, and those of no length left out."""
     parents, children = (list(column) for column in zip(*bones, strict=True))
     lengths = np.linalg.norm(positions[:, parents] - positions[:, children], axis=-1)[:, true > 1e-3]
     variation, second = 100 * lengths.std(axis=0) / lengths.mean(axis=0), int(FPS)
     off = np.abs(lengths.mean(axis=0) - true[true > 1e-3])
     drift = np.abs(lengths[-second:].mean(axis=0) - lengths[:second].mean(axis=0))
-    return Bones(float(np.median(variation)), float(variation.max()), 1000 * float(off.max()), 1000 * float(drift.max()))
+    return Bones(
+        float(np.median(variation)), float(variation.max()), 1000 * float(off.max()), 1000 * float(drift.max())
+    )
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ class Steps:
 def steps_of(contacts: Bool[ndarray, "frames 2"], fps: float = FPS) -> Steps:
     """Steps from foot contacts (right, left)."""
     downs = [touchdowns(contacts[:, foot], fps) for foot in range(2)]
-    order = np.concatenate([np.zeros(len(downs[0])), np.ones(len(downs[1]))])[np.argsort(np.concatenate(downs), kind="stable")]
+    order = np.concatenate([np.zeros(len(downs[0])), np.ones(len(downs[1]))])[
+        np.argsort(np.concatenate(downs), kind="stable")
+    ]
     changes = np.diff(order) != 0
     cycles = [np.median(np.diff(d)) / fps for d in downs if len(d) > 1]
     return Steps(len(order), float(changes.mean()) if len(changes) else 0.0, float(np.mean(cycles)) if cycles else 0.0)
@@ -69,9 +73,7 @@ def heading_error(angles: Float[ndarray, " frames"], target: float, seconds: flo
     return float(np.degrees(abs(off)))
 
 
-def foot_skate(
-    toes: Float[ndarray, "frames 2 3"], contacts: Bool[ndarray, "frames 2"], fps: float = FPS
-) -> float:
+def foot_skate(toes: Float[ndarray, "frames 2 3"], contacts: Bool[ndarray, "frames 2"], fps: float = FPS) -> float:
     """Mean horizontal speed (m/s) of the toes (right, left) over frames in contact before and after; 0 without any."""
     speed = np.linalg.norm(np.diff(toes[..., [0, 2]], axis=0), axis=-1) * fps
     held = contacts[1:] & contacts[:-1]

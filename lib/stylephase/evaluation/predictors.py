@@ -66,11 +66,14 @@ def _joined(normaliser: Normaliser, x: ndarray, p: ndarray) -> Float[ndarray, "r
 
 
 def predict_network(bundle: Bundle, style: str, *, dropout: bool = False) -> Predictor:
-    """The bundle's network with one style's stored code, in eval mode; or with dropout on, as the release's test ran."""
+    """The bundle's network with one style's stored code, in eval mode; or with dropout on, as the release tests."""
     n, code = bundle.normaliser, bundle.code(style)
 
     def predict(x: ndarray, p: ndarray) -> ndarray:
-        scaled = [torch.from_numpy((v - mean) / std).float() for v, mean, std in ((x, n.x_mean, n.x_std), (p, n.p_mean, n.p_std))]
+        scaled = [
+            torch.from_numpy((v - mean) / std).float()
+            for v, mean, std in ((x, n.x_mean, n.x_std), (p, n.p_mean, n.p_std))
+        ]
         network = bundle.network.synthesis.train(dropout)
         with torch.inference_mode():
             y = network(*scaled, code.expand(len(x), -1)).double().numpy()

@@ -22,7 +22,9 @@ def groups_of(styles: tuple[str, ...]) -> dict[str, list[str]]:
     """Styles by the part of their name before a hyphen (`set1`, `set2`), where all have one; else all in one group."""
     prefixes = {style.partition("-")[0] for style in styles if "-" in style}
     named = all("-" in style for style in styles) and len(prefixes) > 1
-    return {p: [s for s in styles if s.startswith(f"{p}-")] for p in sorted(prefixes)} if named else {"all": list(styles)}
+    return (
+        {p: [s for s in styles if s.startswith(f"{p}-")] for p in sorted(prefixes)} if named else {"all": list(styles)}
+    )
 
 
 def code_spread(bundle: Bundle, styles: list[StyleVectors]) -> dict[str, float]:
@@ -62,18 +64,23 @@ def table(result: dict[str, Any]) -> str:
     lines = ["mean squared error over normalised outputs, and bone length error (mm), on test frames"]
     for name, errors in result["groups"].items():
         lines += [f"  {name}"]
-        lines += [f"    {p:10} {errors[p]['mse']:8.4f} {1000 * errors[p]['bll']:8.2f}" for p in _PREDICTORS if p in errors]
+        lines += [
+            f"    {p:10} {errors[p]['mse']:8.4f} {1000 * errors[p]['bll']:8.2f}" for p in _PREDICTORS if p in errors
+        ]
     if "rollouts" in result:
-        lines += ["", f"{'rollout':20} speed  ratio  bones %  worst  off mm  hips cm  steps  skate  turn  stop  nearest"]
+        lines += [
+            "",
+            f"{'rollout':20} speed  ratio  bones %  worst  off mm  hips cm  steps  skate  turn  stop  nearest",
+        ]
         lines += [_walk_line(walk, result["rollouts"]) for walk in result["rollouts"]["walks"]]
     return "\n".join(lines)
 
 
 def _walk_line(walk: dict[str, Any], rollouts: dict[str, Any]) -> str:
-    bones, hips = walk["bones"], 100 * (walk["hips"] - walk["data_hips"])
+    bones, hips, ratio = walk["bones"], 100 * (walk["hips"] - walk["data_hips"]), walk["speed_ratio"]
     steps = f"{walk['steps']['count']:3d}{' ' if walk['alternate'] else '!'}"
     return (
-        f"{walk['style']:20} {walk['speed']:5.2f}  {walk['speed_ratio']:5.2f}  {bones['median']:7.2f}  {bones['worst']:5.2f}"
+        f"{walk['style']:20} {walk['speed']:5.2f}  {ratio:5.2f}  {bones['median']:7.2f}  {bones['worst']:5.2f}"
         f"  {bones['off']:6.1f}  {hips:7.1f}  {steps:>5}  {walk['skate']:5.2f}  {rollouts['turns'][walk['style']]:4.1f}"
         f"  {rollouts['stops'][walk['style']]:4.2f}  {walk['nearest']}"
     )

@@ -25,6 +25,7 @@ from stylephase.runtime.rollout import Rollout, Tick, quiet, roll_out
 SETTLE = 180
 _CONTACT = 0.5
 
+
 @dataclass(frozen=True)
 class Walk:
     """What one style's rollout of walking straight came to."""
@@ -89,12 +90,19 @@ def local_poses(run: Rollout, character: int) -> Float[ndarray, "frames pose"]:
     root = Root(run.root_positions[1:, character], run.root_angles[1:, character])
     positions, rotations = run.positions[:, character], run.rotations[1:, character]
     speed = np.diff(positions, axis=0) * FPS
-    parts = [to_local(root, positions[1:])] + [rotate_to_local(root, v) for v in (rotations[..., 2], rotations[..., 1], speed)]
+    parts = [to_local(root, positions[1:])] + [
+        rotate_to_local(root, v) for v in (rotations[..., 2], rotations[..., 1], speed)
+    ]
     return np.concatenate(parts, axis=-1).reshape(len(root), -1)
 
 
 def judge(
-    run: Rollout, bundle: Bundle, styles: Sequence[StyleVectors], gains: ndarray, space: StyleSpace, settle: int = SETTLE
+    run: Rollout,
+    bundle: Bundle,
+    styles: Sequence[StyleVectors],
+    gains: ndarray,
+    space: StyleSpace,
+    settle: int = SETTLE,
 ) -> list[Walk]:
     """Metrics of straight walks, one character per style, after the settling frames."""
     body = bundle.body
@@ -147,7 +155,7 @@ def judge_rollouts(
     settings: ControllerSettings | None = None,
     tick: Tick = quiet,
 ) -> tuple[Judgement, Rollout]:
-    """Calibrate, walk straight for some seconds, turn by 90 degrees to either side, and stop; also the straight walk."""
+    """Calibrate, walk straight for some seconds, turn by 90 degrees to both sides, and stop; also the straight walk."""
     start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
     targets = np.array([walking_speed(style) for style in styles])
     gains = calibrate(bundle, codes, start, targets, settings=settings, tick=tick)

@@ -55,12 +55,14 @@ def style_space(styles: Sequence[StyleVectors], layout: Layout) -> StyleSpace:
     groups = [np.array([statistics(window) for window in windows_of(style, "train", layout)]) for style in styles]
     kept = [(style.style, group) for style, group in zip(styles, groups, strict=True) if len(group)]
     centres = np.array([group.mean(axis=0) for _, group in kept])
-    within = np.sqrt(np.mean([group.var(axis=0) for _, group in kept if len(group) > 1] or [np.ones(centres.shape[1])], axis=0))
+    within = np.sqrt(
+        np.mean([group.var(axis=0) for _, group in kept if len(group) > 1] or [np.ones(centres.shape[1])], axis=0)
+    )
     spread = np.maximum(within, _LEAST_SPREAD * centres.std(axis=0) + 1e-6)
     return StyleSpace(tuple(name for name, _ in kept), centres, spread)
 
 
 def recognised(space: StyleSpace, styles: Sequence[StyleVectors], layout: Layout, part: str) -> tuple[int, int]:
-    """How many real walking clips of a part are nearest to their own style, and of how many: what the measure is worth."""
+    """How many walking clips of a part are nearest to their own style, and of how many: what the measure is worth."""
     verdicts = [space.nearest(window) == s.style for s in styles for window in windows_of(s, part, layout)]
     return sum(verdicts), len(verdicts)

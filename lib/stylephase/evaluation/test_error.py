@@ -72,18 +72,27 @@ def test_errors(
         others = _others(bundle.styles, style.style)
         wrong = [error_of(predict_network(bundle, other), style, bundle, lengths, part) for other in others]
         if wrong:
-            errors[style.style]["wrong code"] = Error(*(float(np.mean([getattr(e, k) for e in wrong])) for k in ("mse", "bll")))
+            errors[style.style]["wrong code"] = Error(
+                *(float(np.mean([getattr(e, k) for e in wrong])) for k in ("mse", "bll"))
+            )
     return errors
 
 
 def _others(styles: Sequence[str], style: str) -> list[str]:
     """Some other styles, spread evenly over the rest."""
     rest = [other for other in styles if other != style]
-    return [rest[k] for k in np.unique(np.linspace(0, len(rest) - 1, min(_WRONG_CODES, len(rest))).astype(int))] if rest else []
+    return (
+        [rest[k] for k in np.unique(np.linspace(0, len(rest) - 1, min(_WRONG_CODES, len(rest))).astype(int))]
+        if rest
+        else []
+    )
 
 
 def mean_over(errors: dict[str, dict[str, Error]], styles: Iterable[str]) -> dict[str, Error]:
     """Plain means over some styles, as the release reports ([M22] release 4.6)."""
     chosen = [errors[style] for style in styles if style in errors]
     names = [name for name in chosen[0] if all(name in one for one in chosen)] if chosen else []
-    return {name: Error(*(float(np.mean([getattr(one[name], k) for one in chosen])) for k in ("mse", "bll"))) for name in names}
+    return {
+        name: Error(*(float(np.mean([getattr(one[name], k) for one in chosen])) for k in ("mse", "bll")))
+        for name in names
+    }

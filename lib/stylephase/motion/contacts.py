@@ -33,7 +33,7 @@ def foot_contacts(
     speed = np.linalg.norm(velocities(sensors, fps), axis=-1)
     floor = np.percentile(sensors[..., 1].min(axis=1), _FLOOR_PERCENTILE)
     raw = (speed < rule.speed) & (sensors[..., 1] < floor + rule.height)
-    return majority(raw, int(round(_VOTE_SECONDS * fps)))
+    return majority(raw, round(_VOTE_SECONDS * fps))
 
 
 def majority(raw: Bool[ndarray, "frames feet"], reach: int) -> Bool[ndarray, "frames feet"]:

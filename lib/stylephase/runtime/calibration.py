@@ -18,9 +18,9 @@ from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import Rollout, Tick, quiet, roll_out
 
 # Gains tried first, as multiples of the wanted speed, and the rounds of finer ones.
-_GAINS = np.array([0.5, 0.75, 1.0, 1.35, 1.8, 2.4, 3.2, 4.3, 6.0])
+_GAINS = np.array([0.6, 1.0, 1.6, 2.5, 4.0, 6.3])
 _ROUNDS = 3
-_TRIAL_SECONDS = 7.0
+_TRIAL_SECONDS = 6.0
 _SPEED_WINDOW = 0.5
 _WARM_UP_SECONDS = 3.0
 
@@ -39,7 +39,11 @@ def warm_start(
     """Characters at the origin, facing +z, after some seconds of walking that began at the mean frame of the data."""
     n = bundle.normaliser
     x, p = (np.tile(mean, (len(codes), 1)) for mean in (n.x_mean, n.p_mean))
-    controller, state, plan = Controller(bundle, codes, ControllerSettings()), start_state(x, p, bundle.body.layout), Steady(speeds)
+    controller, state, plan = (
+        Controller(bundle, codes, ControllerSettings()),
+        start_state(x, p, bundle.body.layout),
+        Steady(speeds),
+    )
     for frame in range(int(_WARM_UP_SECONDS * FPS)):
         state = controller.step(state, plan(frame, state))
     return start_state(input_of(state), state.phases, bundle.body.layout)

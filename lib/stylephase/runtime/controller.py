@@ -87,7 +87,9 @@ class Controller:
 
     def predict(self, x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"]) -> ndarray:
         """The network's outputs y for inputs in metres."""
-        scaled = [torch.from_numpy((v - self.scales[k][0]) / self.scales[k][1]).float() for k, v in (("x", x), ("p", p))]
+        scaled = [
+            torch.from_numpy((v - self.scales[k][0]) / self.scales[k][1]).float() for k, v in (("x", x), ("p", p))
+        ]
         with torch.inference_mode():
             y = self.network(*scaled, self.codes).double().numpy()
         return y * self.scales["y"][1] + self.scales["y"][0]
@@ -116,7 +118,9 @@ class Controller:
         )
 
 
-def _world_samples(trajectory: Float[ndarray, "characters values"], root: Root) -> Float[ndarray, "characters samples 4"]:
+def _world_samples(
+    trajectory: Float[ndarray, "characters values"], root: Root
+) -> Float[ndarray, "characters samples 4"]:
     """Predicted samples (x, z, direction) in the world."""
     samples = trajectory.reshape(len(trajectory), len(OUTPUT_SAMPLES), 4)
     turned = on_ground(root.angles)

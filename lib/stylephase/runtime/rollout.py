@@ -18,7 +18,6 @@ from stylephase.motion.rotations import from_matrix
 from stylephase.runtime.controller import Controller, ControllerSettings, State
 from stylephase.runtime.plans import Plan
 
-
 # Called with the number of frames done.
 Tick = Callable[[int], object]
 
@@ -101,7 +100,9 @@ def to_clip(rollout: Rollout, character: int, body: Body, name: str) -> Clip:
     world = np.empty((frames, len(skeleton), 3, 3))
     for joint, parent in enumerate(skeleton.parents):
         known = joint in place
-        world[:, joint] = rollout.rotations[:, character, place[joint]] @ body.rest[joint].T if known else world[:, parent]
+        world[:, joint] = (
+            rollout.rotations[:, character, place[joint]] @ body.rest[joint].T if known else world[:, parent]
+        )
         if skeleton.sites[joint]:
             world[:, joint] = world[:, parent]
     local = world.copy()

@@ -43,7 +43,9 @@ def on_ground(angles: Float[ndarray, " characters"]) -> Float[ndarray, "characte
     return turn(angles)[:, ::2, ::2]
 
 
-def unit_ground(vectors: Float[ndarray, "*batch 2"], otherwise: Float[ndarray, "*batch 2"]) -> Float[ndarray, "*batch 2"]:
+def unit_ground(
+    vectors: Float[ndarray, "*batch 2"], otherwise: Float[ndarray, "*batch 2"]
+) -> Float[ndarray, "*batch 2"]:
     """Vectors of length 1; where there is no length, `otherwise`."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 1e-6, vectors / np.maximum(length, 1e-6), otherwise)

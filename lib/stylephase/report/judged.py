@@ -1,0 +1,80 @@
+"""The values behind the claims about training and rollouts, from the evaluations of one or more seeds.
+
+Of several seeds the worst counts, so that a claim that holds does so for each of them.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+Evaluation = dict[str, Any]
+
+
+def worst(values: Sequence[float], largest: bool = True) -> float:
+    """The largest of some values, or the smallest where small is bad."""
+    return float(max(values) if largest else min(values))
+
+
+def error_ratio(results: Sequence[Evaluation], group: str, over: str, under: str) -> list[float]:
+    """Per seed, one predictor's test error over another's."""
+    errors = [result["groups"][group] for result in results]
+    return [error[over]["mse"] / error[under]["mse"] for error in errors]
+
+
+def one_step_values(results: Sequence[Evaluation], group: str) -> dict[str, float]:
+    """Claims about one step ahead for one group of styles, such as `set2`."""
+    rivals = {
+        name: worst(error_ratio(results, group, "network", name)) for name in ("hold", "mean", "ridge", "untrained")
+    }
+    values = {f"ours-onestep-{name}-{group}": value for name, value in rivals.items()}
+    return values | {
+        f"ours-wrong-code-{group}": worst(error_ratio(results, group, "wrong code", "network"), largest=False)
+    }
+
+
+def rollout_values(results: Sequence[Evaluation]) -> dict[str, float | list[float]]:
+    """Claims about the rollouts of all styles."""
+    walks = [result["rollouts"]["walks"] for result in results]
+
+    def over_seeds(value: Callable[[list[Evaluation]], float], largest: bool = True) -> float:
+        return worst([value(one) for one in walks], largest)
+
+    ratios = [walk["speed_ratio"] for one in walks for walk in one]
+    return {
+        "ours-rollout-finite": over_seeds(lambda one: sum(w["finite"] for w in one), largest=False),
+        "ours-rollout-bone-median": over_seeds(lambda one: float(np.median([w["bones"]["median"] for w in one]))),
+        "ours-rollout-bone-worst": over_seeds(lambda one: max(w["bones"]["worst"] for w in one)),
+        "ours-rollout-bone-drift": over_seeds(lambda one: max(w["bones"]["drift"] for w in one)),
+        "ours-rollout-bone-off": over_seeds(lambda one: max(w["bones"]["off"] for w in one)),
+        "ours-rollout-hips": over_seeds(lambda one: max(abs(w["hips"] - w["data_hips"]) for w in one)),
+        "ours-rollout-alternation": over_seeds(lambda one: sum(w["alternate"] for w in one), largest=False),
+        "ours-rollout-alternation-set2": over_seeds(lambda one: _of("set2", one, "alternate"), largest=False),
+        "ours-rollout-speed": [min(ratios), max(ratios)],
+        "ours-rollout-style-set2": over_seeds(lambda one: sum(_right(w) for w in one if _in("set2", w)), largest=False),
+        "ours-rollout-style-all": over_seeds(lambda one: sum(_right(w) for w in one), largest=False),
+        "ours-rollout-turns": worst([max(result["rollouts"]["turns"].values()) for result in results]),
+    }
+
+
+def stop_range(results: Sequence[Evaluation]) -> tuple[float, float]:
+    """Lowest and highest speed (m/s) in the last seconds after being told to stop."""
+    speeds = [speed for result in results for speed in result["rollouts"]["stops"].values()]
+    return min(speeds), max(speeds)
+
+
+def code_ratio(results: Sequence[Evaluation]) -> float:
+    """Spread of style codes between styles over that within, of the worst seed."""
+    return worst([result["codes"]["between"] / result["codes"]["within"] for result in results], largest=False)
+
+
+def _in(group: str, walk: Evaluation) -> bool:
+    return walk["style"].startswith(f"{group}-")
+
+
+def _of(group: str, walks: list[Evaluation], key: str) -> int:
+    return sum(bool(walk[key]) for walk in walks if _in(group, walk))
+
+
+def _right(walk: Evaluation) -> bool:
+    return walk["nearest"] == walk["style"]
