@@ -52,5 +52,6 @@ $(VENV)/set-up: pyproject.toml constraints.txt
 		{ echo "stylephase: $(PYTHON) cannot make virtual environments; on Debian: apt-get install python3-venv" >&2; exit 2; }
 	@echo "setting up $(VENV): a minute or two, 2.4 GB"
 	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install -qq --upgrade pip --constraint constraints.txt
 	@$(BIN)/python -m pip install -qq --no-compile --editable '.[dev]' --constraint constraints.txt
 	@touch $@

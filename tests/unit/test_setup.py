@@ -6,9 +6,11 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib import metadata
 
 import pytest
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name
 from packaging.version import Version
 
@@ -57,6 +59,14 @@ def test_pins_name_versions_only(root, pinned):
     lines = [line for line in (root / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[a-z0-9-]+==[0-9][0-9a-z.]*", line) for line in lines)
     assert lines == sorted(set(lines)) and "torch" in pinned
+
+
+def test_every_pin_takes_the_oldest_python(pinned):
+    """Set up by the first Python 3.11, pip would search long for a way round a pin that asks for a later one."""
+    installed = [found for found in metadata.distributions() if canonicalize_name(found.name) in pinned]
+    assert len(installed) >= 50
+    refused = {f.name for f in installed if "3.11.0" not in SpecifierSet(f.metadata.get("Requires-Python") or "")}
+    assert {name for name in refused if Version(metadata.version(name)) == pinned[canonicalize_name(name)]} == set()
 
 
 def _imported(source: str) -> set[str]:
