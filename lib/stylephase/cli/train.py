@@ -10,10 +10,15 @@ from stylephase.cli.output import AsJson, emit
 from stylephase.data.catalogue import load_catalogue
 from stylephase.errors import InputError
 from stylephase.features.store import VectorStore
-from stylephase.training.loop import Trainer
+from stylephase.files import read_json
+from stylephase.models.bundle import Bundle, is_bundle, load_bundle
+from stylephase.training.checkpoint import LOG, check_folder, remove_checkpoint
+from stylephase.training.loop import Trainer, identity_of
+from stylephase.training.presets import Preset
 from stylephase.training.presets import preset as find_preset
 
-_MODELS = ("lpn-film",)
+_MODELS = ("pfnn-onehot", "lpn-onehot", "pfnn-resad", "lpn-resad", "pfnn-film", "mann-film", "lpn-film")
+_BUILT = ("lpn-film",)
 
 
 def train(
@@ -21,20 +26,42 @@ def train(
     data: Annotated[str, typer.Option(help="A data set's name, or own:FOLDER.")],
     out: Annotated[Path, typer.Option(help="Folder for weights, log and checkpoints.")],
     preset: Annotated[str, typer.Option(help="quick, cpu or paper")] = "cpu",
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     styles: Annotated[str | None, typer.Option(help="Names of styles, with commas between; left out: all.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in the folder.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Train a model and write it to a folder. With --resume a finished run is left as it is."""
+    """Train a model and write it to a folder, which must hold no run yet.
+
+    With --resume an interrupted run in the folder goes on, and a finished one is left as it is.
+    """
+    _check_model(model)
+    how = find_preset(preset)
+    catalogue = load_catalogue(data, None if styles is None else styles.split(","))
+    store = VectorStore(catalogue, how.phases)
+    check_folder(out, identity_of(store, model, how, preset, seed), resume=resume)
+    if is_bundle(out):
+        bundle = load_bundle(out)
+        remove_checkpoint(out)
+    else:
+        bundle = _run(store, model, how, preset, seed, out)
+    about, last = bundle.about, read_json(out / LOG)[-1]
+    text = f"{out}: {about['steps']} steps in {about['seconds']:.0f} s, training error {last['mse']:.4f}"
+    if last["validation_mse"] is not None:
+        text += f", validation error {last['validation_mse']:.4f}"
+    emit({"out": out, "about": about, "last": last}, as_json=as_json, text=text)
+
+
+def _check_model(model: str) -> None:
     if model not in _MODELS:
         raise InputError(f"no model {model!r}; there are {', '.join(_MODELS)}")
-    how = find_preset(preset)
-    trainer = Trainer(VectorStore(load_catalogue(data, styles and styles.split(",")), how.phases), model, how, preset, seed)
-    if resume:
-        trainer.resume(out)
+    if model not in _BUILT:
+        raise InputError(f"the model {model} is not built yet; so far there is {', '.join(_BUILT)}")
+
+
+def _run(store: VectorStore, model: str, how: Preset, preset: str, seed: int, out: Path) -> Bundle:
+    """Train from the start, or from the checkpoint in `out`, which `check_folder` has found to be of this run."""
+    trainer = Trainer(store, model, how, preset, seed)
+    trainer.resume(out)
     with tqdm(total=how.steps, initial=trainer.step, desc=model, unit="step", disable=None) as bar:
-        bundle = trainer.run(out, bar.update)
-    last = trainer.log[-1]
-    text = f"{out}: {bundle.about['steps']} steps in {trainer.seconds:.0f} s, validation error {last['validation_mse']:.4f}"
-    emit({"out": out, "about": bundle.about, "last": last}, as_json=as_json, text=text)
+        return trainer.run(out, bar.update)

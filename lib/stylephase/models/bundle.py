@@ -1,10 +1,10 @@
 """A trained model in a folder: weights as safetensors, everything else as JSON."""
 
+import math
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 from jaxtyping import Float
 from safetensors import SafetensorError
@@ -13,6 +13,7 @@ from torch import Tensor
 
 from stylephase.errors import InputError
 from stylephase.features.body import Body, body_from_json
+from stylephase.features.layout import Layout
 from stylephase.features.normaliser import Normaliser
 from stylephase.files import read_json, replacing, write_json
 from stylephase.models.generator import GeneratorSettings
@@ -73,7 +74,7 @@ def load_tensors(path: Path) -> dict[str, Tensor]:
 def save_bundle(folder: Path, bundle: Bundle) -> None:
     """Write a trained model; the JSON comes last, so a folder with it is complete."""
     tensors = {f"network.{name}": tensor for name, tensor in bundle.network.state_dict().items()}
-    tensors |= {f"normaliser.{f.name}": torch.from_numpy(getattr(bundle.normaliser, f.name)) for f in fields(Normaliser)}
+    tensors |= {f"normaliser.{name}": torch.from_numpy(array) for name, array in vars(bundle.normaliser).items()}
     tensors |= {f"code.{style}": code for style, code in bundle.codes.items()}
     save_tensors(folder / _WEIGHTS, tensors)
     described = {"model": bundle.model, "settings": asdict(bundle.settings), "styles": list(bundle.styles)}
@@ -81,22 +82,58 @@ def save_bundle(folder: Path, bundle: Bundle) -> None:
     write_json(folder / _MODEL, described | {"body": bundle.body.to_json(), "about": bundle.about})
 
 
+def is_bundle(folder: Path) -> bool:
+    """Whether a folder holds a trained model."""
+    return (folder / _MODEL).exists()
+
+
+def description(folder: Path) -> dict[str, Any]:
+    """Name, settings, styles and origin of a trained model, without its weights. Raises InputError as `load_bundle`."""
+    described = read_json(folder / _MODEL)
+    try:
+        return described | described["about"]
+    except (KeyError, TypeError) as error:
+        raise _no_model(folder, error) from error
+
+
 def load_bundle(folder: str | Path) -> Bundle:
     """Read a trained model, in eval mode. Raises InputError where a file is missing or does not fit."""
     folder = Path(folder)
     described = read_json(folder / _MODEL)
     tensors = load_tensors(folder / _WEIGHTS)
-    generator = GeneratorSettings(**_infinite(described["settings"].pop("generator")))
-    settings = NetworkSettings(**described["settings"], generator=generator)
-    body = body_from_json(described["body"])
-    network = build_network(body, settings)
     try:
-        network.load_state_dict(_under("network.", tensors))
-    except RuntimeError as error:
-        raise InputError(f"the weights do not fit {_MODEL}: {error}", folder / _WEIGHTS) from error
-    normaliser = Normaliser(**{name: np.asarray(t) for name, t in _under("normaliser.", tensors).items()})
-    codes = {style: tensors[f"code.{style}"] for style in described["styles"]}
-    return Bundle(described["model"], network.eval(), settings, body, normaliser, codes, described["about"])
+        settings, body = _settings(described["settings"]), body_from_json(described["body"])
+        network = build_network(body, settings)
+        model, styles, about = described["model"], described["styles"], dict(described["about"])
+        shapes = _shapes(network, body.layout, styles, 4 * settings.units)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, RuntimeError) as error:
+        raise _no_model(folder, error) from error
+    _check_shapes(tensors, shapes, folder / _WEIGHTS)
+    network.load_state_dict(_under("network.", tensors))
+    normaliser = Normaliser(**{name: tensor.numpy() for name, tensor in _under("normaliser.", tensors).items()})
+    codes = {style: tensors[f"code.{style}"] for style in styles}
+    return Bundle(model, network.eval(), settings, body, normaliser, codes, about)
+
+
+def _no_model(folder: Path, error: Exception) -> InputError:
+    what = f"it lacks {error}" if isinstance(error, KeyError) else str(error)
+    return InputError(f"does not describe a trained model: {what}", folder / _MODEL)
+
+
+def _shapes(network: LpnFilm, layout: Layout, styles: list[str], code: int) -> dict[str, tuple[int, ...]]:
+    """Shape of each tensor that a bundle must hold."""
+    shapes = {f"network.{name}": tuple(tensor.shape) for name, tensor in network.state_dict().items()}
+    widths = {"x": layout.inputs, "p": layout.phases, "y": layout.outputs}
+    shapes |= {f"normaliser.{field.name}": (widths[field.name[0]],) for field in fields(Normaliser)}
+    return shapes | {f"code.{style}": (code,) for style in styles}
+
+
+def _check_shapes(tensors: dict[str, Tensor], shapes: dict[str, tuple[int, ...]], path: Path) -> None:
+    found = {name: tuple(tensor.shape) for name, tensor in tensors.items()}
+    for name in sorted(shapes.keys() | found.keys()):
+        if found.get(name) != shapes.get(name):
+            expected, got = (str(of.get(name, "nothing")) for of in (shapes, found))
+            raise InputError(f"does not fit {_MODEL}: for {name} expected {expected}, found {got}", path)
 
 
 def _under(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
@@ -105,8 +142,11 @@ def _under(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
 
 def _finite(generator: dict[str, Any]) -> dict[str, Any]:
     """JSON has no infinity: no clamp is written as null."""
-    return generator | {"clamp": None if generator["clamp"] == float("inf") else generator["clamp"]}
+    return generator | {"clamp": None if generator["clamp"] == math.inf else generator["clamp"]}
 
 
-def _infinite(generator: dict[str, Any]) -> dict[str, Any]:
-    return generator | {"clamp": float("inf") if generator["clamp"] is None else generator["clamp"]}
+def _settings(values: dict[str, Any]) -> NetworkSettings:
+    """The inverse of `asdict` and `_finite`."""
+    generator = values["generator"] | {"clamp": values["generator"]["clamp"] or math.inf}
+    others = {name: value for name, value in values.items() if name != "generator"}
+    return NetworkSettings(**others, generator=GeneratorSettings(**generator))

@@ -5,6 +5,7 @@ matrix product for a whole batch and is what trains; the first reads each weight
 """
 
 import math
+from itertools import pairwise
 
 import torch
 from jaxtyping import Float
@@ -26,7 +27,9 @@ class ExpertLayer(nn.Module):
         self.weight = nn.Parameter(torch.empty(experts, inputs, outputs).uniform_(-bound, bound))
         self.bias = nn.Parameter(torch.zeros(experts, outputs))
 
-    def forward(self, h: Float[Tensor, "rows inputs"], gate: Float[Tensor, "rows experts"]) -> Float[Tensor, "rows outputs"]:
+    def forward(
+        self, h: Float[Tensor, "rows inputs"], gate: Float[Tensor, "rows experts"]
+    ) -> Float[Tensor, "rows outputs"]:
         """Outputs of all experts, blended by the gate: the experts are stacked along the inputs, into one product."""
         cast = torch.get_autocast_dtype("cpu") if torch.is_autocast_enabled("cpu") else h.dtype
         spread = (gate.to(cast)[:, :, None] * h.to(cast)[:, None, :]).flatten(1)
@@ -40,10 +43,11 @@ class Gating(nn.Module):
         super().__init__()
         self.rate = rate
         widths = (inputs, hidden, hidden, experts)
-        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in zip(widths[:-1], widths[1:], strict=True))
-        for layer in self.layers:
+        layers = [nn.Linear(a, b) for a, b in pairwise(widths)]
+        for layer in layers:
             nn.init.xavier_uniform_(layer.weight)
             nn.init.zeros_(layer.bias)
+        self.layers = nn.ModuleList(layers)
 
     def forward(self, p: Float[Tensor, "rows phases"]) -> Float[Tensor, "rows experts"]:
         """Blending coefficients, which add to one. Dropout stands before every layer, as in the release."""

@@ -20,4 +20,5 @@ def film(
 
 def split_code(code: Float[Tensor, "rows values"]) -> tuple[Tensor, Tensor, Tensor, Tensor]:
     """Scale and shift of the first and of the second hidden layer ([M22] Eq. 2), in the release's order."""
-    return torch.chunk(code, 4, dim=-1)
+    scale1, shift1, scale2, shift2 = torch.chunk(code, 4, dim=-1)
+    return scale1, shift1, scale2, shift2

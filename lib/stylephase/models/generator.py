@@ -105,7 +105,7 @@ class FilmGenerator(nn.Module):
         for convolution in (self.first, self.second):
             h = functional.leaky_relu(convolution(h), how.leak)
             h = torch.maximum(h[:, 0::2], h[:, 1::2])
-        h = h.flatten(1).float()
+        h = h.flatten(1).to(self.dense.weight.dtype)
         if how.normalise:
             h = functional.layer_norm(h, h.shape[-1:])
         with torch.autocast("cpu", enabled=False):

@@ -1,8 +1,8 @@
 """LPN-FiLM, the system of [M22] Fig. 3: gated experts driven by local phases, modulated by a style code."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
-import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
@@ -33,9 +33,7 @@ class SynthesisNetwork(nn.Module):
         self.settings = settings
         self.gating = Gating(phases, settings.gating_units, settings.experts, settings.gating_rate)
         widths = (inputs, settings.units, settings.units, outputs)
-        self.layers = nn.ModuleList(
-            ExpertLayer(settings.experts, a, b) for a, b in zip(widths[:-1], widths[1:], strict=True)
-        )
+        self.layers = nn.ModuleList(ExpertLayer(settings.experts, a, b) for a, b in pairwise(widths))
 
     def forward(
         self, x: Float[Tensor, "rows inputs"], p: Float[Tensor, "rows phases"], code: Float[Tensor, "rows values"]

@@ -1,8 +1,8 @@
 """The training loop of LPN-FiLM ([M22] 4.3), with checkpoints that a killed run resumes from exactly."""
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +13,32 @@ from torch import Tensor
 from stylephase.errors import InputError
 from stylephase.features.normaliser import Normaliser, normaliser_of
 from stylephase.features.store import StyleVectors, VectorStore
-from stylephase.files import read_json, write_json
-from stylephase.models.bundle import Bundle, build_network, load_tensors, save_bundle, save_tensors
+from stylephase.files import write_json
+from stylephase.models.bundle import Bundle, build_network, save_bundle
+from stylephase.training import checkpoint
+from stylephase.training.checkpoint import LOG
 from stylephase.training.codes import style_code
 from stylephase.training.losses import bone_length_loss, bone_lengths, squared_error
 from stylephase.training.presets import Preset
 from stylephase.training.progress import validate
 from stylephase.training.sampler import Sampler, Scaling
 
-_STATE, _TENSORS, _LOG = "state.json", "checkpoint.safetensors", "log.json"
+
+def identity_of(store: VectorStore, model: str, preset: Preset, preset_name: str, seed: int) -> dict[str, Any]:
+    """What makes a run this one and no other: two runs with the same identity give the same weights."""
+    catalogue = store.catalogue
+    identity = {"model": model, "data": catalogue.dataset.name, "preset": preset_name, "seed": seed}
+    return identity | {"styles": list(catalogue.styles), "settings": repr(preset), "vectors": store.folder.name}
 
 
 class Trainer:
     """One training run: data in memory, network, two optimisers, and all random state."""
 
     def __init__(self, store: VectorStore, model: str, preset: Preset, preset_name: str, seed: int):
-        self.store, self.model, self.preset, self.seed = store, model, preset, seed
-        self.identity = {"model": model, "data": store.catalogue.dataset.name, "preset": preset_name, "seed": seed}
-        self.identity |= {"styles": list(store.catalogue.styles), "settings": repr(preset)}
+        self.store, self.model, self.preset, self.preset_name, self.seed = store, model, preset, preset_name, seed
+        self.identity = identity_of(store, model, preset, preset_name, seed)
         self.styles: list[StyleVectors] = [store.load(style) for style in store.catalogue.styles]
-        self.body, self.preset_name = store.body, preset_name
+        self.body = store.body
         self.normaliser: Normaliser = normaliser_of(self.styles, self.body.layout)
         self.scaling = Scaling(self.normaliser, self.body.layout)
         torch.manual_seed(seed)
@@ -41,31 +47,46 @@ class Trainer:
         self.network.generator.start_neutral()
         self.sampler = Sampler(self.styles, self.scaling, self.rng)
         self.lengths = bone_lengths(self.body)
-        self.optimisers = {
+        self.optimisers: checkpoint.Optimisers = {
             "synthesis": torch.optim.Adam(self.network.synthesis.parameters(), lr=preset.network_rate, fused=True),
             "generator": torch.optim.Adam(self.network.generator.parameters(), lr=preset.generator_rate, fused=True),
         }
         self.step, self.seconds, self.processor_seconds, self.log = 0, 0.0, 0.0, []
         self._clocks = (0.0, 0.0)
 
-    def run(self, out: Path, tick: Callable[[int], None]) -> Bundle:
-        """Train to the end, saving checkpoints in `out`; calls `tick` with the number of steps done."""
+    def run(self, out: Path, tick: Callable[[int], object]) -> Bundle:
+        """Train to the end, saving checkpoints in `out`; calls `tick` with the number of steps done.
+
+        Raises InputError: the folder cannot be written, or the training diverged; the last checkpoint stays.
+        """
         self._clocks = time.monotonic(), time.process_time()
+        # Before the first step, so that a folder that cannot be written costs no training.
+        write_json(out / LOG, self.log)
         while self.step < self.preset.steps:
-            before = self.step
+            before, last = self.step, self.step + self.preset.steps_per_code >= self.preset.steps
             errors = self.round()
-            if not np.isfinite(errors["mse"]):
-                raise InputError(f"training diverged at step {self.step}: the loss is not finite")
+            if not all(map(math.isfinite, errors.values())):
+                raise self._diverged(out)
             tick(self.step - before)
-            if _passed(before, self.step, self.preset.log_every) or self.step >= self.preset.steps:
-                self._count_time()
-                times = {"seconds": self.seconds, "processor_seconds": self.processor_seconds}
-                self.log.append({"step": self.step} | times | errors | validate(self))
-                write_json(out / _LOG, self.log)
-            if _passed(before, self.step, self.preset.save_every) and self.step < self.preset.steps:
+            if last or _passed(before, self.step, self.preset.log_every):
+                self._note(out, errors)
+            if not last and _passed(before, self.step, self.preset.save_every):
                 self._count_time()
                 self.save(out)
         return self.finish(out)
+
+    def _note(self, out: Path, errors: dict[str, float]) -> None:
+        """Add to the log: times, errors of this round, errors on the validation frames."""
+        self._count_time()
+        times = {"seconds": self.seconds, "processor_seconds": self.processor_seconds}
+        entry = {"step": self.step} | times | errors | validate(self.network, self.styles, self.scaling)
+        if not all(value is None or math.isfinite(value) for value in entry.values()):
+            raise self._diverged(out)
+        self.log.append(entry)
+        write_json(out / LOG, self.log)
+
+    def _diverged(self, out: Path) -> InputError:
+        return InputError(f"training diverged at step {self.step}: its numbers are no longer finite", out)
 
     def _count_time(self) -> None:
         """Add the time since the last count: by the clock, and of the processors, which other work does not stretch."""
@@ -110,59 +131,44 @@ class Trainer:
                 group["lr"] = rate * factor
 
     def save(self, out: Path) -> None:
-        """Write a checkpoint: first the tensors under a name of their own, then the state that points to them."""
-        tensors = {f"network.{name}": tensor for name, tensor in self.network.state_dict().items()}
-        for name, optimiser in self.optimisers.items():
-            for number, moments in optimiser.state_dict()["state"].items():
-                tensors |= {f"{name}.{number}.{key}": torch.as_tensor(value) for key, value in moments.items()}
-        tensors["random"] = torch.get_rng_state()
-        file = f"{self.step}-{_TENSORS}"
-        save_tensors(out / file, tensors)
+        """Write a checkpoint. Raises InputError where it cannot be written, or where the weights are not finite."""
+        if not all(torch.isfinite(tensor).all() for tensor in self.network.parameters()):
+            raise self._diverged(out)
         state = {"step": self.step, "seconds": self.seconds, "processor_seconds": self.processor_seconds}
-        state |= {"tensors": file, "rng": self.rng.bit_generator.state}
-        write_json(out / _STATE, self.identity | state | {"log": self.log})
-        for old in out.glob(f"*-{_TENSORS}"):
-            if old.name != file:
-                old.unlink()
+        state |= {"rng": self.rng.bit_generator.state, "log": self.log}
+        checkpoint.write_checkpoint(out, self.identity | state, checkpoint.pack(self.network, self.optimisers))
 
     def resume(self, out: Path) -> None:
-        """Go on from the checkpoint in `out`, if there is one. Raises InputError if it is of another run."""
-        if not (out / _STATE).exists():
+        """Go on from the checkpoint in `out`, if there is one. Raises InputError if it is damaged or of another run."""
+        found = checkpoint.read_checkpoint(out, self.identity)
+        if found is None:
             return
-        state = read_json(out / _STATE)
-        differing = [key for key, value in self.identity.items() if state.get(key) != value]
-        if differing:
-            raise InputError(f"the checkpoint is of another run: {', '.join(differing)} differ", out / _STATE)
-        tensors = load_tensors(out / state["tensors"])
-        self.network.load_state_dict(_take(tensors, "network."))
-        for name, optimiser in self.optimisers.items():
-            moments: dict[int, dict[str, Tensor]] = {}
-            for key, tensor in _take(tensors, f"{name}.").items():
-                number, _, kind = key.partition(".")
-                moments.setdefault(int(number), {})[kind] = tensor
-            optimiser.load_state_dict({"state": moments, "param_groups": optimiser.state_dict()["param_groups"]})
-        torch.set_rng_state(tensors["random"])
-        self.rng.bit_generator.state = state["rng"]
-        self.step, self.seconds, self.log = state["step"], state["seconds"], state["log"]
-        self.processor_seconds = state["processor_seconds"]
+        state, tensors = found
+        try:
+            checkpoint.unpack(tensors, self.network, self.optimisers)
+            self.rng.bit_generator.state = state["rng"]
+            self.step, self.seconds, self.log = state["step"], state["seconds"], state["log"]
+            self.processor_seconds = state["processor_seconds"]
+        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            raise checkpoint.damaged(out, error) from error
 
     def finish(self, out: Path) -> Bundle:
-        """Write the trained model and remove the checkpoint."""
+        """Write the trained model, then remove the checkpoint."""
         self.network.eval()
         codes = {style.style: style_code(self.network.generator, style, self.scaling) for style in self.styles}
-        dataset = self.store.catalogue.dataset
-        about = {"data": dataset.name, "origin": dataset.origin, "licence": dataset.licence, "credit": dataset.credit}
-        about |= {"preset": self.preset_name, "seed": self.seed, "phases": self.preset.phases, "steps": self.step}
-        about |= {"seconds": round(self.seconds, 1), "processor_seconds": round(self.processor_seconds, 1), "gaits": sorted(self.store.catalogue.gaits)}
-        bundle = Bundle(self.model, self.network, self.preset.network, self.body, self.normaliser, codes, about)
+        bundle = Bundle(self.model, self.network, self.preset.network, self.body, self.normaliser, codes, self._about())
         save_bundle(out, bundle)
-        for name in (_STATE, *(path.name for path in out.glob(f"*-{_TENSORS}"))):
-            (out / name).unlink(missing_ok=True)
+        checkpoint.remove_checkpoint(out)
         return bundle
 
-    def description(self) -> dict[str, Any]:
-        """What this run is, for its folder."""
-        return self.identity | {"preset_values": asdict(self.preset)}
+    def _about(self) -> dict[str, Any]:
+        """Where the weights come from."""
+        catalogue = self.store.catalogue
+        dataset = catalogue.dataset
+        about = {"data": dataset.name, "origin": dataset.origin, "licence": dataset.licence, "credit": dataset.credit}
+        about |= {"gaits": sorted(catalogue.gaits), "phases": self.preset.phases}
+        about |= {"preset": self.preset_name, "seed": self.seed, "steps": self.step}
+        return about | {"seconds": round(self.seconds, 1), "processor_seconds": round(self.processor_seconds, 1)}
 
 
 def rate_factor(step: int, preset: Preset) -> float:
@@ -177,7 +183,3 @@ def rate_factor(step: int, preset: Preset) -> float:
 
 def _passed(before: int, after: int, every: int) -> bool:
     return before // every != after // every
-
-
-def _take(tensors: dict[str, Tensor], prefix: str) -> dict[str, Tensor]:
-    return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}

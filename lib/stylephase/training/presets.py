@@ -66,7 +66,8 @@ PRESETS = {
         ),
         steps=9000,
     ),
-    # The paper's own: one style a batch of 32 frames, each with a clip of its own, Adam at 1e-4 ([M22] 4.3, release 4.5).
+    # The paper's own: one style a batch of 32 frames, Adam at 1e-4 ([M22] 4.3, release 4.5).
+    # Differs: all frames of a batch share one clip, where the release gives each a clip of its own.
     "paper": Preset(
         network=NetworkSettings(),
         steps=4_300_000,

@@ -1,48 +1,51 @@
 """What a training run tells of itself: validation error, and whether the style codes are alive."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
+from stylephase.features.store import StyleVectors
+from stylephase.models.lpn import LpnFilm, SynthesisNetwork
 from stylephase.training.codes import clip_codes
 from stylephase.training.losses import squared_error
-
-if TYPE_CHECKING:
-    from stylephase.training.loop import Trainer
+from stylephase.training.sampler import Scaling
 
 _FRAMES_PER_STYLE, _CLIPS_PER_STYLE = 96, 4
 
 
-def validate(trainer: "Trainer") -> dict[str, float]:
+def validate(network: LpnFilm, styles: list[StyleVectors], scaling: Scaling) -> dict[str, float | None]:
     """Squared error on validation frames with the right and with wrong style codes, and the spread of the codes.
 
     A dead generator is invisible in the error: it shows in `code_between`, the deviation of codes between styles,
-    falling to that within a style, `code_within`.
+    falling to that within a style, `code_within`. Short takes all train: without validation frames there is no error.
+    Leaves the network in eval mode.
     """
-    trainer.network.eval()
-    groups = [clip_codes(trainer.network.generator, s, trainer.scaling, most=_CLIPS_PER_STYLE) for s in trainer.styles]
+    network.eval()
+    groups = [clip_codes(network.generator, style, scaling, most=_CLIPS_PER_STYLE) for style in styles]
     codes = torch.stack([group.mean(dim=0) for group in groups])
     within = torch.stack([(group - group.mean(dim=0)).square().mean() for group in groups]).mean().sqrt()
-    right, wrong = _errors(trainer, codes), _errors(trainer, codes.roll(1, dims=0))
+    right = _error(network.synthesis, styles, codes, scaling)
+    wrong = _error(network.synthesis, styles, codes.roll(1, dims=0), scaling)
     return {
         "validation_mse": right,
-        "wrong_code_factor": wrong / right,
+        "wrong_code_factor": wrong / right if right and wrong else None,
         "code_between": float(codes.std(dim=0, unbiased=False).square().mean().sqrt()),
         "code_within": float(within),
     }
 
 
-def _errors(trainer: "Trainer", codes: Tensor) -> float:
-    """Mean over styles of the error on evenly spread validation frames."""
+def _error(
+    network: SynthesisNetwork, styles: list[StyleVectors], codes: Float[Tensor, "styles values"], scaling: Scaling
+) -> float | None:
+    """Mean over styles of the error on evenly spread validation frames; None where there are no such frames."""
     errors = []
-    for style, code in zip(trainer.styles, codes, strict=True):
+    for style, code in zip(styles, codes, strict=True):
         rows = style.rows("validation")
         if not len(rows):
             continue
         rows = rows[np.unique(np.linspace(0, len(rows) - 1, _FRAMES_PER_STYLE).astype(int))]
-        x, p, y = (trainer.scaling.scaled(kind, torch.from_numpy(getattr(style, kind)[rows])) for kind in "xpy")
+        x, p, y = (scaling.scaled(kind, torch.from_numpy(getattr(style, kind)[rows])) for kind in "xpy")
         with torch.inference_mode():
-            errors.append(squared_error(y, trainer.network.synthesis(x, p, code.expand(len(rows), -1))).item())
-    return float(np.mean(errors))
+            errors.append(squared_error(y, network(x, p, code.expand(len(rows), -1))).item())
+    return float(np.mean(errors)) if errors else None

@@ -16,7 +16,7 @@ from stylephase.features.store import StyleVectors
 
 @dataclass(frozen=True)
 class Batch:
-    """Normalised rows, sorted by style: `styles` consecutive groups of equal size."""
+    """Normalised rows in consecutive groups of equal size, one group for each style drawn, in the order drawn."""
 
     x: Float[Tensor, "rows inputs"]
     p: Float[Tensor, "rows phases"]
