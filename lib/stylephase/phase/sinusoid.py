@@ -16,7 +16,7 @@ from stylephase.phase.circular import wrap
 # Bounds of the frequency in Hz ([M22] release).
 FREQUENCIES = (0.25, 4.0)
 _GRID = 24
-_GOLDEN_STEPS = 5
+_GOLDEN_STEPS = 8
 _GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 # A window whose absolute values sum to less than this has no fit ([M22] release).
 _SILENT = 1e-3
@@ -139,16 +139,30 @@ class _Problem:
         ss, c1 = (s * s) @ self.weights, self.central + c @ self.weights
         cc = self.size - ss + self.ridge
         ss = ss + self.ridge
-        determinant = np.maximum(cc * self.size - c1 * c1, 1e-12)
-        offset = np.clip((cc * self.total - c1 * tc) / determinant, self.lowest, self.highest)
-        sine, cosine = _within(ts / ss, (tc - c1 * offset) / cc, ss, cc, self.most, newton_steps)
-        offset = np.clip((self.total - c1 * cosine) / self.size, self.lowest, self.highest)
+        sine, cosine, offset = self._bounded(ts, tc, ss, cc, c1, newton_steps)
         loss = (
             sine * (ss * sine - 2 * ts)
             + cosine * (cc * cosine - 2 * tc + 2 * c1 * offset)
             + offset * (self.size * offset - 2 * self.total)
         )
         return sine, cosine, offset, loss
+
+    def _bounded(self, ts: ndarray, tc: ndarray, ss, cc, c1, newton_steps: int) -> tuple[ndarray, ndarray, ndarray]:
+        """Best (sine, cosine, offset) from the products with the targets and with each other.
+
+        The offset that goes best with each cosine is put in first, which leaves a problem in sine and cosine alone.
+        Where that offset is out of bounds, sine and cosine are found once more for the bound.
+        """
+        alone = np.maximum(cc - c1 * c1 / self.size, 1e-12)
+        sine, cosine = _within(ts / ss, (tc - c1 * self.total / self.size) / alone, ss, alone, self.most, newton_steps)
+        free = (self.total - c1 * cosine) / self.size
+        offset = np.clip(free, self.lowest, self.highest)
+        held = np.flatnonzero(offset != free)
+        if len(held):
+            ss, cc, c1 = (np.broadcast_to(part, free.shape)[held] for part in (ss, cc, c1))
+            again = ts[held] / ss, (tc[held] - c1 * offset[held]) / cc
+            sine[held], cosine[held] = _within(*again, ss, cc, self.most[held], newton_steps)
+        return sine, cosine, offset
 
 
 def _within(sine: ndarray, cosine: ndarray, ss, cc, most: ndarray, steps: int) -> tuple[ndarray, ndarray]:
