@@ -65,6 +65,18 @@ def test_a_positive_angle_turns_to_the_left_which_is_plus_x():
     np.testing.assert_allclose(turn(root.angles)[0] @ [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], atol=1e-12)
 
 
+def test_root_and_hips_frame_do_not_depend_on_how_joint_frames_lie(limping, change):
+    """The same walk with each joint's axes laid another way; the hips' z axis is not even level then."""
+    odd = change.reframed(limping)
+    assert abs(hips_axes(odd.skeleton)[2, 2]) < 0.1
+    pose, other = forward_kinematics(limping), forward_kinematics(odd)
+    root, hands = root_of(pose, limping.skeleton), limping.skeleton.roles.hands
+    np.testing.assert_allclose(root_of(other, odd.skeleton).angles, root.angles, atol=1e-9)
+    np.testing.assert_allclose(
+        hips_frame(other, odd.skeleton, hands), hips_frame(pose, limping.skeleton, hands), atol=1e-9
+    )
+
+
 def test_local_points_come_back_by_the_root_matrices(limping, frozen):
     """Left, up and forward of the root are the columns of its matrices; heights stay as they are."""
     pose = forward_kinematics(limping)
