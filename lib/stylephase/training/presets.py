@@ -64,7 +64,10 @@ PRESETS = {
         network=NetworkSettings(
             input_rate=0.3, hidden_rate=0.25, gating_rate=0.1, generator=GeneratorSettings(**_LIVELY)
         ),
-        steps=9000,
+        steps=8000,
+        decay_from=0.4,
+        decay_to=0.02,
+        bone_weight=3.0,
     ),
     # The paper's own: one style a batch of 32 frames, Adam at 1e-4 ([M22] 4.3, release 4.5).
     # Differs: all frames of a batch share one clip, where the release gives each a clip of its own.
