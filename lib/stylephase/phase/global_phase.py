@@ -14,17 +14,17 @@ _GAP_SECONDS, _BLIP_SECONDS = 10 / 120, 12 / 120
 
 def touchdowns(contact: Bool[ndarray, " frames"], fps: float) -> ndarray:
     """Frames at which a foot comes down, after closing short gaps and dropping short contacts."""
-    closed = _without_runs(contact, False, round(_GAP_SECONDS * fps))
-    clean = _without_runs(closed, True, round(_BLIP_SECONDS * fps))
+    closed = _without_runs(contact, False, _GAP_SECONDS * fps)
+    clean = _without_runs(closed, True, _BLIP_SECONDS * fps)
     return np.flatnonzero(clean[1:] & ~clean[:-1]) + 1
 
 
-def _without_runs(values: Bool[ndarray, " frames"], of: bool, shorter: int) -> Bool[ndarray, " frames"]:
+def _without_runs(values: Bool[ndarray, " frames"], of: bool, shorter: float) -> Bool[ndarray, " frames"]:
     """Flip inner runs of the value `of` that have fewer than `shorter` frames."""
     edges = np.flatnonzero(np.diff(values)) + 1
     result = values.copy()
     for start, stop in pairwise(edges):
-        if values[start] == of and stop - start < shorter:
+        if values[start] == of and stop - start < shorter - 1e-6:
             result[start:stop] = not of
     return result
 
