@@ -63,7 +63,7 @@ def _run(tree: Path) -> list[str]:
     """The calls of one complete run, sorted."""
     (tree / "calls").unlink(missing_ok=True)
     with _start(tree) as process:
-        out, _ = process.communicate(timeout=60)
+        out, _ = process.communicate(timeout=200)
     assert process.returncode == 0, out
     return sorted((tree / "calls").read_text().splitlines()) if (tree / "calls").exists() else []
 
