@@ -32,6 +32,11 @@ def colour_of(name: str) -> str:
     return MODELS.get(name) or EFFECTORS.get(name) or QUIET
 
 
+def dashes_of(name: str) -> str:
+    """The line style of a model, so that curves are told apart without colour: solid for local phases."""
+    return {"pfnn": "--", "mann": "-.", "lpn": "-"}.get(name.split("-")[0], ":")
+
+
 def rgb(colour: str) -> tuple[int, int, int]:
     """Red, green and blue (0 to 255) of a colour written `#RRGGBB`."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

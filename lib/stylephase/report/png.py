@@ -27,8 +27,8 @@ def write_png(path: str | Path, pixels: UInt8[ndarray, "height width 3"], *, alt
     info.add_itxt("Description", alt)
     picture = Image.fromarray(pixels)
     with replacing(path) as temporary:
-        picture.save(temporary, pnginfo=info, optimize=True)
+        picture.save(temporary, pnginfo=info)
         if temporary.stat().st_size > LIMIT:
-            picture.quantize(256, dither=Image.Dither.NONE).save(temporary, pnginfo=info, optimize=True)
+            picture.quantize(256, dither=Image.Dither.NONE).save(temporary, pnginfo=info)
         if temporary.stat().st_size > LIMIT:
             raise InputError(f"the picture takes {temporary.stat().st_size} bytes, more than {LIMIT}", path)

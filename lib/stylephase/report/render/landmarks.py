@@ -14,7 +14,7 @@ ADDED = ("Skull", "Crown", *(side + name for side in ("Left", "Right") for name 
 
 # Metres, for a person of scale 1.
 _SKULL, _CROWN, _FIST = 0.055, 0.125, 0.085
-_HEEL_BEHIND, _TIP_AHEAD, _FOOT = 0.045, 0.075, 0.13
+_HEEL_BEHIND, _FOOT, _TIP_AHEAD = 0.045, 0.26, (0.03, 0.09)
 HEEL_RADIUS, BALL_RADIUS, TIP_RADIUS = 0.036, 0.028, 0.022
 # Heights of the ankle and of the toe joint above the sole; what is measured is kept within these.
 _ANKLE_HEIGHTS, _TOE_HEIGHTS = (0.06, 0.14), (0.005, 0.06)
@@ -65,7 +65,8 @@ def _head(anatomy: Anatomy, positions: ndarray) -> tuple[ndarray, ndarray]:
         up = _unit(positions[:, head] - positions[:, below])
     else:
         up = np.broadcast_to([0.0, 1.0, 0.0], positions[:, head].shape)
-    return tuple(positions[:, head] + length * anatomy.scale * up for length in (_SKULL, _CROWN))
+    at, up = positions[:, head], anatomy.scale * up
+    return at + _SKULL * up, at + _CROWN * up
 
 
 def _apart(positions: ndarray, one: int, other: int) -> bool:
@@ -92,13 +93,15 @@ def _foot(anatomy: Anatomy, positions: ndarray, side: int, hips: ndarray) -> tup
     ankle_height, toe_height = _standing_heights(anatomy, positions, hips)
     along = _unit(toe - at)
     across = _unit(np.cross(positions[:, knee] - at, along) + 1e-3 * hips)
-    pitch = np.arcsin(np.clip((ankle_height - toe_height) / np.linalg.norm(toe - at, axis=1).mean(), -0.9, 0.9))
+    length = np.linalg.norm(toe - at, axis=1).mean()
+    pitch = np.arcsin(np.clip((ankle_height - toe_height) / length, -0.9, 0.9))
     above = np.cross(along, across)
     forward = np.cos(pitch) * along + np.sin(pitch) * above
     up = np.cos(pitch) * above - np.sin(pitch) * along
     heel = at - (ankle_height - HEEL_RADIUS * scale) * up - _HEEL_BEHIND * scale * forward
     ball = toe - (toe_height - BALL_RADIUS * scale) * up
-    tip = ball - (BALL_RADIUS - TIP_RADIUS) * scale * up + _TIP_AHEAD * scale * forward
+    ahead = scale * np.clip(_FOOT - _HEEL_BEHIND - length / scale, *_TIP_AHEAD)
+    tip = ball - (BALL_RADIUS - TIP_RADIUS) * scale * up + ahead * forward
     tip[:, 1] = np.maximum(tip[:, 1], np.minimum(TIP_RADIUS * scale, ball[:, 1]))
     return [heel, 0.55 * heel + 0.45 * ball, ball, tip], across
 
@@ -109,7 +112,7 @@ def _toes(anatomy: Anatomy, positions: ndarray, side: int, hips: ndarray) -> nda
     if toe != ankle:
         return positions[:, toe]
     ahead = _unit(np.cross(hips, [0.0, 1.0, 0.0]))
-    return positions[:, ankle] + anatomy.scale * (_FOOT * ahead - np.array([0.0, 0.06, 0.0]))
+    return positions[:, ankle] + anatomy.scale * (_FOOT / 2 * ahead - np.array([0.0, 0.06, 0.0]))
 
 
 def _standing_heights(anatomy: Anatomy, positions: ndarray, hips: ndarray) -> tuple[float, float]:

@@ -31,14 +31,12 @@ class Motion:
     fps: float = 60.0
 
     def __post_init__(self):
-        if self.positions.ndim != 3 or self.positions.shape[1:] != (len(self.skeleton), 3) or not len(self):
+        joints = self.positions.shape[1]
+        if joints != len(self.skeleton) or not len(self):
             raise InputError(
-                f"expected positions of (frames, {len(self.skeleton)}, 3), found {self.positions.shape}",
+                f"expected frames of {len(self.skeleton)} joints, found {len(self)} frames of {joints}",
                 self.label or None,
             )
-        for name, part in (("contacts", self.contacts), ("path", self.path)):
-            if part is not None and len(part) != len(self):
-                raise InputError(f"{len(part)} frames of {name} for {len(self)} of positions", self.label or None)
         broken = np.flatnonzero(~np.isfinite(self.positions).all(axis=(1, 2)))
         if len(broken):
             raise InputError(f"frame {broken[0]} has a position that is no finite number", self.label or None)

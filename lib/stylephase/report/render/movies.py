@@ -1,12 +1,12 @@
 """Movies: one or several characters, each in a panel of its own, on a ground that stays in the world."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import imageio.v2 as iio
+import imageio_ffmpeg
 import numpy as np
 from jaxtyping import UInt8
 from numpy import ndarray
@@ -20,7 +20,6 @@ from stylephase.report import palette
 from stylephase.report.render.motion import Motion, facing_angles
 from stylephase.report.render.scene import (
     Character,
-    View,
     add_ground,
     add_lights,
     look,
@@ -48,7 +47,7 @@ def movie(
     *,
     fps: int = 30,
     size: tuple[int, int] = (640, 480),
-    view: View = "three-quarter",
+    view: str = "three-quarter",
     highlights: Sequence[str] = (),
     progress: bool = False,
 ) -> int:
@@ -65,21 +64,23 @@ def movie(
     count = max(len(motion) for motion in shown)
     with replacing(path) as temporary, ExitStack() as stack:
         panels = [_Panel(stack.enter_context(stage(size, finer=_FINER)), each, view, highlights) for each in shown]
-        write = stack.enter_context(_WRITERS[temporary.suffix](temporary, fps))
+        write = stack.enter_context(_WRITERS[temporary.suffix](temporary, (size[0] * len(shown), size[1]), fps))
         for frame in tqdm(range(count), desc=Path(path).name, unit="frame", disable=not progress):
             write(np.concatenate([panel.at(frame) for panel in panels], axis=1))
     return count
 
 
 @contextmanager
-def _mp4(path: Path, fps: int) -> Iterator[Callable[[ndarray], None]]:
-    with iio.get_writer(path, fps=fps, codec="libx264", quality=8, macro_block_size=16) as writer:
-        yield writer.append_data
+def _mp4(path: Path, size: tuple[int, int], fps: int) -> Iterator[Callable[[ndarray], None]]:
+    writer = imageio_ffmpeg.write_frames(path, size, fps=fps, codec="libx264", quality=8)
+    writer.send(None)
+    with closing(writer):
+        yield lambda pixels: writer.send(np.ascontiguousarray(pixels))
 
 
 @contextmanager
-def _gif(path: Path, fps: int) -> Iterator[Callable[[ndarray], None]]:
-    """Frames are kept with 256 colours each and written at the end: a third of the size that imageio's writer makes."""
+def _gif(path: Path, size: tuple[int, int], fps: int) -> Iterator[Callable[[ndarray], None]]:
+    """Frames are kept with 256 colours each and written at the end."""
     frames: list[Image.Image] = []
     yield lambda pixels: frames.append(Image.fromarray(pixels).quantize(256, dither=Image.Dither.NONE))
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=1000 / fps, loop=0)
@@ -117,7 +118,7 @@ def _at_rate(motion: Motion, fps: int) -> Motion:
 class _Panel:
     """One motion on a stage of its own, with ground and camera."""
 
-    def __init__(self, plotter: "pyvista.Plotter", motion: Motion, view: View, highlights: Sequence[str]):
+    def __init__(self, plotter: "pyvista.Plotter", motion: Motion, view: str, highlights: Sequence[str]):
         hips = motion.positions[:, motion.skeleton.roles.hips]
         facing = float(facing_angles(motion).mean())
         self._plotter, self._last = plotter, len(motion) - 1

@@ -5,7 +5,7 @@ pyvista is imported where it is first needed, as it takes about a second.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -25,7 +25,6 @@ from stylephase.report.render.surface import Surface
 if TYPE_CHECKING:
     import pyvista
 
-View = Literal["side", "three-quarter", "front"]
 # Angle (rad) from the character's facing round to its right, where the eye stands.
 _AZIMUTH = {"side": np.pi / 2, "three-quarter": np.radians(50), "front": 0.0}
 _GROUND_FADES = 7.0
@@ -33,7 +32,7 @@ _VIEW_ANGLE = 24.0
 _AMBIENT, _DIFFUSE = 0.38, 0.62
 
 
-def toward_eye(view: View, *, elevation: float, facing: float = 0.0) -> Float[ndarray, " 3"]:
+def toward_eye(view: str, *, elevation: float, facing: float = 0.0) -> Float[ndarray, " 3"]:
     """Unit vector from the character to the eye.
 
     `elevation` (rad) is the eye's angle above the ground, `facing` (rad) the character's turn from +z.
@@ -58,7 +57,7 @@ def stage(size: tuple[int, int], *, finer: int) -> "Iterator[pyvista.Plotter]":
     plotter = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
     try:
         plotter.disable_anti_aliasing()
-        plotter.set_background(palette.BACKGROUND)
+        plotter.background_color = pyvista.Color(palette.BACKGROUND)
         yield plotter
     finally:
         plotter.close()
@@ -176,7 +175,7 @@ def look(
 def picture(plotter: "pyvista.Plotter") -> UInt8[ndarray, "height width 3"]:
     """The stage as it is now."""
     plotter.render()
-    return plotter.screenshot(return_img=True)
+    return np.asarray(plotter.screenshot(return_img=True))
 
 
 def reduced(pixels: UInt8[ndarray, "height width 3"], finer: int) -> UInt8[ndarray, "low narrow 3"]:

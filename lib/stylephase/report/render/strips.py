@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
-from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -14,13 +13,15 @@ from numpy import ndarray
 from stylephase.errors import InputError
 from stylephase.motion.root import turn
 from stylephase.report import palette
-from stylephase.report.plots import STYLE
+from stylephase.report.plots import style
 from stylephase.report.render.motion import Motion, facing_angles
-from stylephase.report.render.scene import Character, View, add_lights, look, picture, reduced, stage, toward_eye
+from stylephase.report.render.scene import Character, add_lights, look, picture, reduced, stage, toward_eye
 
 _ELEVATION = np.radians(11.0)
 # What is drawn beyond the joints (m): above the head joint, below the ground, and to each side.
-_ABOVE, _BELOW, _BESIDE = 0.28, 0.10, 0.14
+_ABOVE, _BELOW, _BESIDE = 0.28, 0.10, 0.22
+# Room (m) left at each side of a character, so that it does not touch the next.
+_APART = 0.14
 _DPI = 100
 # Cells are drawn this much finer, put side by side and then averaged: smooth edges, also where limbs overlap.
 _FINER = 3
@@ -32,12 +33,14 @@ _LABEL_POINTS, _NOTE_POINTS = 12.0, 9.0
 class Layout:
     """How a strip looks.
 
-    `spacing` (m) is the distance between two characters, by default the least at which they do not touch; with
-    `travelled` it is the distance that they went. `scale` is in pixels per metre, `highlights` are joints to ring.
+    `view` is seen against the character's facing: side (from its right, so that it walks to the right), front or
+    three-quarter. `spacing` (m) is the distance between two characters, by default the least at which they do not
+    touch; with `travelled` it is the distance that they went. `scale` is in pixels per metre, `highlights` are joints
+    to ring.
     """
 
     frames: int = 8
-    view: View = "side"
+    view: str = "side"
     spacing: float | None = None
     travelled: bool = False
     scale: int = 120
@@ -52,8 +55,8 @@ def strip(motion: Motion, layout: Layout = Layout()) -> UInt8[ndarray, "height w
 def grid(motions: Sequence[Motion], layout: Layout = Layout()) -> UInt8[ndarray, "height width 3"]:
     """A picture with one strip for each motion, at one scale, and the labels at the left.
 
-    Time runs to the right. Each character is turned so that it faces the same way (see `View`) and stands beside the
-    one before it; where `layout.travelled`, it stands where it went and turns as it did.
+    Time runs to the right. Each character is turned so that all face the same way, and stands beside the one before it;
+    with `layout.travelled` it stands where it went and turns as it did.
     """
     if not motions or layout.frames < 1:
         raise InputError(f"expected a motion and a frame to draw, found {len(motions)} and {layout.frames}")
@@ -97,7 +100,7 @@ def _axes(toward: Float[ndarray, " 3"]) -> Float[ndarray, "2 3"]:
 def _room(motion: Motion, at: Int[ndarray, " shown"], toward: Float[ndarray, " 3"]) -> float:
     """Room (m) that each character needs so that none touches the next."""
     across = motion.positions[at] @ _axes(toward)[0]
-    return float((across[:-1].max(axis=1) - across[1:].min(axis=1)).max(initial=np.ptp(across[0]))) + 2 * _BESIDE
+    return float((across[:-1].max(axis=1) - across[1:].min(axis=1)).max(initial=np.ptp(across[0]))) + 2 * _APART
 
 
 def _row(
@@ -133,11 +136,11 @@ def _step(motion: Motion, at: Int[ndarray, " shown"]) -> str:
 
 def _labelled(
     rows: list[UInt8[ndarray, "height width 3"]], labels: list[tuple[str, str]]
-) -> UInt8[ndarray, "height width 3"]:
+) -> UInt8[ndarray, "total_height total_width 3"]:
     """The rows one below the other, each with a label and a note at its left."""
     height, width = sum(len(row) for row in rows), max(row.shape[1] for row in rows)
     aside = _MARGIN + max(_text_width(label, note) for label, note in labels)
-    with rc_context(STYLE):
+    with style():
         figure = Figure(figsize=((aside + width) / _DPI, height / _DPI), dpi=_DPI)
         canvas, top = FigureCanvasAgg(figure), height
         for row, (label, note) in zip(rows, labels, strict=True):
@@ -150,7 +153,7 @@ def _labelled(
 
 def _text_width(label: str, note: str) -> int:
     """Pixels that label and note take."""
-    with rc_context(STYLE):
+    with style():
         figure = Figure(dpi=_DPI)
         renderer = FigureCanvasAgg(figure).get_renderer()
         texts = _write(figure, 0.0, 0.0, label, note)
