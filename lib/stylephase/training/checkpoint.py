@@ -12,7 +12,8 @@ from stylephase.models.bundle import description, is_bundle, load_tensors, save_
 
 LOG = "log.json"
 _STATE, _TENSORS = "state.json", "checkpoint.safetensors"
-_LEFT_BY_A_KILL = (".*-checkpoint.*.safetensors", ".weights.*.safetensors")
+# What a kill in the middle of writing leaves: the temporary files of `files.replacing`.
+_LEFT_BY_A_KILL = (".*-checkpoint.*.safetensors", ".weights.*.safetensors", ".state.*.json")
 # The part of a run's identity that its finished model tells.
 _TOLD = ("model", "data", "preset", "seed", "styles")
 
