@@ -35,7 +35,7 @@ test: probe lint ## run all checks
 lint: $(VENV)/set-up ## check style and types
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/basedpyright --pythonpath $(BIN)/python
 
 setup: $(VENV)/set-up ## only set up the virtual environment
 
