@@ -89,16 +89,22 @@ Markdown("\n".join(["| | |", "|---|---|", *(f"| {key} | {value} |" for key, valu
 # curves should be nearly flat.
 
 # %%
-curves = {
-    key: np.array([[point[key] for point in log] for log in logs])
-    for key in ("mse", "validation_mse", "wrong_code_factor")
-}
+curves = {key: np.array([[point[key] for point in log] for log in logs]) for key in ("mse", "validation_mse")}
 steps = np.array([point["step"] for point in logs[0]])
-losses = {"training, with dropout": curves["mse"], "validation": curves["validation_mse"]}
+losses = {f"{model}, training with dropout": curves["mse"], f"{model}": curves["validation_mse"]}
 axes = plots.learning_curve(steps, losses, steps_are="step", loss_is="squared error (normalised)")
 alt = "Training and validation error against steps, on a logarithmic scale, falling and flattening."
 plots.save_figure(axes.figure, figures / "04_training.png", alt=alt)
 Image(figures / "04_training.png", alt=alt)
+
+# %%
+heads = ("seed", "step", "wrong code multiplies the error by", "codes differ between styles by", "within a style by")
+lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+for seed, log in zip(seeds, logs, strict=True):
+    for point in (log[len(log) // 4], log[len(log) // 2], log[-1]):
+        cells = [f"{point[key]:.3g}" for key in ("wrong_code_factor", "code_between", "code_within")]
+        lines.append(f"| {seed} | {point['step']} | " + " | ".join(cells) + " |")
+Markdown("\n".join(lines))
 
 # %% [markdown]
 # ## One step ahead, beside predictors that know nothing
@@ -121,7 +127,9 @@ Markdown("\n".join(lines))
 
 # %%
 last = list(table)[-1]
-bars = {rival: interval(values) for rival, values in table[last].items() if rival not in ("mean", "untrained")}
+called = {"network": model, "dropout": f"{model}, dropout on", "wrong code": f"{model}, wrong code"}
+rivals = {rival: values for rival, values in table[last].items() if rival not in ("mean", "untrained")}
+bars = {called.get(rival, rival): interval(values) for rival, values in rivals.items()}
 axes = plots.bar_with_interval(bars, quantity=f"error of one step, {last}", unit="normalised, squared")
 alt = f"Squared error of one step ahead for the network and naive predictors on {last}."
 plots.save_figure(axes.figure, figures / "04_training-one-step.png", alt=alt)
@@ -171,12 +179,12 @@ Image(figures / "04_training-strips.png", alt=alt)
 
 # %%
 turned = roll_out(
-    bundle, codes_of(bundle, shown), start_of(shown, bundle.body), int(6 * FPS), TurnOnce(gains, np.pi / 2, 120)
+    bundle, codes_of(bundle, shown), start_of(shown, bundle.body), int(4 * FPS), TurnOnce(gains, np.pi / 2, 60)
 )
-motions = [walking_motion(turned, k, bundle.body, style.style) for k, style in enumerate(shown[:3])]
-frames = movie(figures / "04_training-turn.mp4", motions, fps=30, size=(320, 320))
+motions = [walking_motion(turned, k, bundle.body, style.style) for k, style in enumerate(shown[:2])]
+frames = movie(figures / "04_training-turn.mp4", motions, fps=30, size=(256, 256))
 Markdown(
-    f"`{figures_folder}/04_training-turn.mp4`: {frames} frames of three styles that turn to the left after two seconds."
+    f"`{figures_folder}/04_training-turn.mp4`: {frames} frames of two styles that turn to the left after a second."
 )
 
 # %% [markdown]

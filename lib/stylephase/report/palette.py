@@ -28,13 +28,18 @@ MODELS = {
 
 
 def colour_of(name: str) -> str:
-    """The colour of a model or end effector by its name; quiet grey for anything else, such as a naive predictor."""
-    return MODELS.get(name) or EFFECTORS.get(name) or QUIET
+    """The colour of a model or end effector by its name; quiet grey for anything else, such as a naive predictor.
+
+    What stands after a comma tells apart several things of one model (`lpn-film, training`), which share its hue.
+    """
+    model, comma, _ = name.partition(",")
+    colour = MODELS.get(model) or EFFECTORS.get(model) or QUIET
+    return lighter(colour, 0.45) if comma and colour != QUIET else colour
 
 
 def dashes_of(name: str) -> str:
-    """The line style of a model, so that curves are told apart without colour: solid for local phases."""
-    return {"pfnn": "--", "mann": "-.", "lpn": "-"}.get(name.split("-")[0], ":")
+    """The line style of a model, so that curves are told apart without colour: solid for local phases, dots after a comma."""
+    return ":" if "," in name else {"pfnn": "--", "mann": "-.", "lpn": "-"}.get(name.split("-")[0], ":")
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

@@ -72,7 +72,7 @@ def movie(
 
 @contextmanager
 def _mp4(path: Path, size: tuple[int, int], fps: int) -> Iterator[Callable[[ndarray], None]]:
-    writer = imageio_ffmpeg.write_frames(path, size, fps=fps, codec="libx264", quality=8)
+    writer = imageio_ffmpeg.write_frames(path, size, fps=fps, codec="libx264", quality=6)
     writer.send(None)
     with closing(writer):
         yield lambda pixels: writer.send(np.ascontiguousarray(pixels))
