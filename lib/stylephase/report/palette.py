@@ -38,7 +38,7 @@ def colour_of(name: str) -> str:
 
 
 def dashes_of(name: str) -> str:
-    """The line style of a model, so that curves are told apart without colour: solid for local phases, dots after a comma."""
+    """The line style of a model, to tell curves apart without colour: solid for local phases, dots after a comma."""
     return ":" if "," in name else {"pfnn": "--", "mann": "-.", "lpn": "-"}.get(name.split("-")[0], ":")
 
 
