@@ -148,6 +148,7 @@ def test_emit_writes_a_text_for_people(capsys):
 
 
 def test_each_command_has_a_line_of_help_and_can_be_imported(capsys):
+    assert {"data", "phases", "train", "evaluate", "rollout"} <= set(app.command_names())
     for name in app.command_names():
         with pytest.raises(SystemExit) as end:
             app.main([name, "--help"])
