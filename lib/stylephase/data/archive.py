@@ -12,8 +12,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
-import pooch
-
 from stylephase import motion
 from stylephase.data.layouts import find_entries, hash_content
 from stylephase.data.registry import Archive, Dataset
@@ -29,7 +27,14 @@ MAX_MEMBERS = 100_000
 def cache_folder() -> Path:
     """Where data is kept: STYLEPHASE_CACHE, or else the user's cache folder."""
     named = os.environ.get("STYLEPHASE_CACHE")
-    return Path(named).absolute() if named else Path(pooch.os_cache("stylephase"))
+    return Path(named).absolute() if named else Path(_pooch().os_cache("stylephase"))
+
+
+def _pooch():
+    """The library of downloads, only where it is needed: its import writes a warning into a notebook."""
+    import pooch
+
+    return pooch
 
 
 def fetch(dataset: Dataset) -> Path:
@@ -158,7 +163,7 @@ def _download(archive: Archive) -> Path:
     folder = cache_folder() / "downloads"
     known = f"sha256:{archive.sha256}" if archive.sha256 else None
     try:
-        return Path(pooch.retrieve(archive.url, known_hash=known, fname=archive.file, path=folder))
+        return Path(_pooch().retrieve(archive.url, known_hash=known, fname=archive.file, path=folder))
     except (OSError, ValueError) as error:
         reason = f"cannot download {archive.url} ({error})"
         raise InputError(f"{reason}; put {archive.file} into a folder, name it by STYLEPHASE_MIRROR") from error

@@ -11,13 +11,15 @@ from stylephase.errors import InputError
 from stylephase.files import replacing
 
 LIMIT = 500_000
+# Above this a picture is reduced to 256 colours, which makes it a third: notebooks hold many pictures.
+_FULL_COLOUR = 100_000
 
 
 def write_png(path: str | Path, pixels: UInt8[ndarray, "height width 3"], *, alt: str) -> None:
     """Write a picture with `alt`, what it shows in words, as its `Description`.
 
-    A picture above 500 kB is reduced to 256 colours. Raises InputError where there is no description, where the name
-    does not end in .png, and where even the reduced picture is above 500 kB.
+    A picture above 100 kB is reduced to 256 colours. Raises InputError where there is no description, where the name
+    does not end in .png, and where the picture is above 500 kB all the same.
     """
     if Path(path).suffix != ".png":
         raise InputError("a picture's name should end in .png", path)
@@ -28,7 +30,7 @@ def write_png(path: str | Path, pixels: UInt8[ndarray, "height width 3"], *, alt
     picture = Image.fromarray(pixels)
     with replacing(path) as temporary:
         picture.save(temporary, pnginfo=info)
-        if temporary.stat().st_size > LIMIT:
+        if temporary.stat().st_size > _FULL_COLOUR:
             picture.quantize(256, dither=Image.Dither.NONE).save(temporary, pnginfo=info)
         if temporary.stat().st_size > LIMIT:
             raise InputError(f"the picture takes {temporary.stat().st_size} bytes, more than {LIMIT}", path)

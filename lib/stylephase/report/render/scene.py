@@ -52,7 +52,10 @@ def stage(size: tuple[int, int], *, finer: int) -> "Iterator[pyvista.Plotter]":
     that takes half the time of the smoothing built into VTK.
     """
     import pyvista
+    from vtkmodules.vtkCommonCore import vtkLogger
 
+    # Without a display VTK first says so, and then draws all the same.
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     window = [size[0] * finer, size[1] * finer]
     plotter = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
     try:

@@ -1,4 +1,4 @@
-"""Principal directions drawn on a character: the path of a hand, an arrow along it, a plane across it ([M22] Fig. 4)."""
+"""Principal directions drawn on a character: a hand's path, an arrow along it, a plane across it ([M22] Fig. 4)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,13 +23,14 @@ _FINER = 3
 _HEIGHT, _WIDTH, _MIDDLE = 2.05, 1.7, 0.93
 # An arrow reaches this many standard deviations of the movement each way, and at least so far (m).
 _DEVIATIONS, _SHORTEST = 2.0, 0.09
-_SHAFT, _TIP, _TIP_LENGTH, _PLANE, _PATH = 0.010, 0.026, 0.075, 0.15, 0.007
+_SHAFT, _TIP, _TIP_LENGTH, _PLANE = 0.010, 0.026, 0.075, 0.15
+_LINE_WIDTH = 2.5
 _LABEL_SIZE, _LABEL_PLACE = 13, (0.03, 0.93)
 
 
 @dataclass(frozen=True)
 class Swing:
-    """How a joint moves against the hips, put into the world of one frame: path and its middle (m), direction, colour."""
+    """How a joint moves against the hips, in the world of one frame: path and its middle (m), direction, colour."""
 
     path: Float[ndarray, "frames 3"]
     middle: Float[ndarray, " 3"]
@@ -81,11 +82,17 @@ def _add(plotter: "pyvista.Plotter", swing: Swing) -> None:
     import pyvista
 
     start, length = swing.middle - swing.reach * swing.direction, 2 * swing.reach + _TIP_LENGTH
-    shape = {"tip_length": _TIP_LENGTH / length, "tip_radius": _TIP / length, "shaft_radius": _SHAFT / length}
-    arrow = pyvista.Arrow(start=start, direction=swing.direction, scale=length, **shape)
+    arrow = pyvista.Arrow(
+        start=start,
+        direction=swing.direction,
+        scale=length,
+        tip_length=_TIP_LENGTH / length,
+        tip_radius=_TIP / length,
+        shaft_radius=_SHAFT / length,
+    )
     plane = pyvista.Disc(center=swing.middle, inner=0.0, outer=_PLANE, normal=swing.direction, c_res=48)
     plotter.add_mesh(arrow, color=palette.HIGHLIGHT, ambient=0.4)
     plotter.add_mesh(plane, color=palette.HIGHLIGHT, opacity=0.22, lighting=False)
-    if np.ptp(swing.path, axis=0).max() > 0:
-        path = pyvista.lines_from_points(swing.path).tube(radius=_PATH)
-        plotter.add_mesh(path, color=swing.colour, lighting=False)
+    if len(swing.path) > 1:
+        path = pyvista.MultipleLines(points=swing.path)
+        plotter.add_mesh(path, color=swing.colour, lighting=False, line_width=_LINE_WIDTH * _FINER)
