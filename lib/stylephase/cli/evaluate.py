@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 from stylephase.cli.output import AsJson, emit
 from stylephase.data.catalogue import load_catalogue
+from stylephase.errors import InputError
 from stylephase.evaluation.report import evaluate_bundle, table
 from stylephase.features.store import VectorStore
 from stylephase.models.bundle import load_bundle
@@ -16,11 +17,13 @@ from stylephase.models.bundle import load_bundle
 def evaluate(
     weights: Annotated[Path, typer.Option(help="Folder of trained weights.")],
     data: Annotated[str, typer.Option(help="The data set they are tested on, with the skeleton they know.")],
-    seconds: Annotated[float, typer.Option(help="Length of the rollouts; 0 leaves them out.", min=0.0)] = 20.0,
+    seconds: Annotated[float, typer.Option(help="Length of the rollouts; 0 leaves them out.")] = 20.0,
     as_json: AsJson = False,
 ) -> None:
     """Test errors on unseen frames, per style, and whether rollouts walk, turn, keep their bones and show the style."""
     bundle = load_bundle(weights)
+    if "phases" not in bundle.about:
+        raise InputError("the weights do not say which phases they were trained with", weights)
     store = VectorStore(load_catalogue(data, bundle.styles), bundle.about["phases"])
     with tqdm(desc="rollouts", unit="frame", disable=None) as bar:
         result = evaluate_bundle(bundle, store, seconds=seconds, tick=bar.update)

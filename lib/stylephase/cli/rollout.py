@@ -11,23 +11,27 @@ from tqdm import tqdm
 from stylephase.cli.output import AsJson, emit
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
-from stylephase.models.bundle import load_bundle
+from stylephase.models.bundle import Bundle, load_bundle
+from stylephase.models.released import release_bundle
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime.calibration import calibrate, speed_of, warm_start
 from stylephase.runtime.export import write_motion
 from stylephase.runtime.plans import FollowPath, Steady, read_path
 from stylephase.runtime.rollout import Rollout, mixed_code, parse_mixture, roll_out, to_clip
 
+# The word for the authors' released weights; a folder of that name is ./release.
+RELEASE = "release"
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
-# A person's speed (m/s) bounds what may be asked for.
+# What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
+_SHORTEST, _LONGEST = 0.1, 3600.0
 
 
 def rollout(
-    weights: Annotated[Path, typer.Option(help="Folder of trained weights.")],
+    weights: Annotated[str, typer.Option(help="Folder of trained weights, or `release` for the authors' own.")],
     style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,NAME:weight,...")],
     out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(FORMATS)}.")],
-    seconds: Annotated[float, typer.Option(help="Length of the motion.", min=0.1, max=3600.0)] = 10.0,
+    seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 10.0,
     path: Annotated[
         Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")
     ] = None,
@@ -37,10 +41,10 @@ def rollout(
     as_json: AsJson = False,
 ) -> None:
     """Drive one character from a walking start, at a speed that the gain is calibrated for."""
-    _check(out, speed, turn, strafe)
+    _check(out, seconds, speed, (turn, strafe), path)
     points = None if path is None else read_path(path)
-    bundle = load_bundle(weights)
     mixture = parse_mixture(style)
+    bundle = _bundle(weights)
     code = mixed_code(bundle, mixture)[None]
     target = np.array([speed])
     start = warm_start(bundle, code, target)
@@ -48,23 +52,32 @@ def rollout(
         gain = calibrate(bundle, code, start, target, tick=bar.update)
         plan = Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
         run = roll_out(bundle, code, start, round(seconds * FPS), plan, tick=bar.update)
-    if not np.isfinite(run.positions).all():
+    if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
     clip = to_clip(run, 0, bundle.body, out.stem)
     _write(out, clip, run.contacts[:, 0] > 0.5, style)
     reached = speed_of(run.root_positions[:, 0])
-    result = {"out": out, "style": mixture, "frames": len(clip), "fps": FPS, "gain": gain[0], "speed": reached}
+    result = {"out": out, "weights": weights, "licence": bundle.about.get("licence"), "style": mixture}
+    result |= {"frames": len(clip), "fps": FPS, "gain": gain[0], "speed": reached}
     text = f"{out}: {len(clip)} frames of {style} at {reached:.2f} m/s (asked: {speed:.2f}, gain {gain[0]:.2f})"
     emit(result, as_json=as_json, text=text)
 
 
-def _check(out: Path, speed: float, turn: float, strafe: float) -> None:
+def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float], path: Path | None) -> None:
     if out.suffix not in FORMATS:
         raise InputError(f"expected a name that ends in {', '.join(FORMATS)}", out)
+    if not _SHORTEST <= seconds <= _LONGEST:
+        raise InputError(f"--seconds is {seconds:g}; expected {_SHORTEST:g} to {_LONGEST:g}")
     if not 0 < speed <= _FASTEST:
-        raise InputError(f"speed {speed} m/s is not above 0 and at most {_FASTEST:g}")
-    if not np.isfinite([turn, strafe]).all():
-        raise InputError("turn and strafe should be finite numbers of degrees")
+        raise InputError(f"--speed is {speed:g}; expected above 0 and at most {_FASTEST:g} m/s")
+    if not np.isfinite(degrees).all():
+        raise InputError("--turn and --strafe should be finite numbers of degrees")
+    if path is not None and any(degrees):
+        raise InputError("--path says where to go; it goes with neither --turn nor --strafe")
+
+
+def _bundle(weights: str) -> Bundle:
+    return release_bundle() if weights == RELEASE else load_bundle(weights)
 
 
 def _write(out: Path, clip: Clip, contacts: ndarray, label: str) -> None:

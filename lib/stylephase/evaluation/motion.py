@@ -11,14 +11,17 @@ from stylephase.phase.global_phase import touchdowns
 
 # Steps by which feet are said to alternate: so many in all, and this share with the other foot before.
 FEWEST_STEPS, ALTERNATION = 10, 0.9
+# Feet that come down within this time come down together (s).
+_TOGETHER = 0.05
 
 
 @dataclass(frozen=True)
 class Bones:
-    """How bone lengths hold: coefficient of variation (%) of the median and of the worst bone, and the largest
+    """How bone lengths hold.
 
-    distance (mm) of a bone's mean length from its true one (`off`) and of its last second's mean from its first
-    second's (`drift`).
+    `median` and `worst` are coefficients of variation over time (%) of the median and of the worst bone; `off` is the
+    largest distance (mm) of a bone's mean length from its true one, `drift` that of a bone's mean over the last second
+    from its mean over the first.
     """
 
     median: float
@@ -30,7 +33,7 @@ class Bones:
 def bones_of(
     positions: Float[ndarray, "frames joints 3"], bones: tuple[tuple[int, int], ...], true: Float[ndarray, " bones"]
 ) -> Bones:
-    """Bone statistics of a motion; bones are (parent, child), true lengths in metres, and those of no length left out."""
+    """Bone statistics of a motion; bones are (parent, child), true lengths in metres. Those of no length count not."""
     parents, children = (list(column) for column in zip(*bones, strict=True))
     lengths = np.linalg.norm(positions[:, parents] - positions[:, children], axis=-1)[:, true > 1e-3]
     variation, second = 100 * lengths.std(axis=0) / lengths.mean(axis=0), int(FPS)
@@ -43,7 +46,10 @@ def bones_of(
 
 @dataclass(frozen=True)
 class Steps:
-    """Steps of a walk: how many, the share that follow one of the other foot, and the cycle time (s, 0 for none)."""
+    """Steps of a walk: how many, the share that follow one of the other foot, and the cycle time (s, 0 for none).
+
+    Of two feet that come down together, neither follows the other.
+    """
 
     count: int
     alternation: float
@@ -58,17 +64,25 @@ class Steps:
 def steps_of(contacts: Bool[ndarray, "frames 2"], fps: float = FPS) -> Steps:
     """Steps from foot contacts (right, left)."""
     downs = [touchdowns(contacts[:, foot], fps) for foot in range(2)]
-    order = np.concatenate([np.zeros(len(downs[0])), np.ones(len(downs[1]))])[
-        np.argsort(np.concatenate(downs), kind="stable")
-    ]
-    changes = np.diff(order) != 0
+    frames, feet = np.concatenate(downs), np.repeat([0, 1], [len(down) for down in downs])
+    order = np.argsort(frames, kind="stable")
+    changes = (np.diff(feet[order]) != 0) & (np.diff(frames[order]) > _TOGETHER * fps)
     cycles = [np.median(np.diff(d)) / fps for d in downs if len(d) > 1]
     return Steps(len(order), float(changes.mean()) if len(changes) else 0.0, float(np.mean(cycles)) if cycles else 0.0)
 
 
+def correlation(values: Float[ndarray, "frames 2"]) -> float:
+    """Correlation of two signals, such as the contacts of both feet; 0 where one of them stays the same."""
+    centred = values - values.mean(axis=0)
+    size = np.sqrt(np.square(centred).sum(axis=0)).prod()
+    return float(centred.prod(axis=1).sum() / size) if size > 1e-9 else 0.0
+
+
 def heading_error(angles: Float[ndarray, " frames"], target: float, seconds: float = 2.0) -> float:
-    """Degrees between a wanted heading (rad) and the mean facing of the last seconds."""
+    """Degrees between a wanted heading (rad) and the mean facing of the last seconds; 180 if that is not finite."""
     last = angles[-int(seconds * FPS) :]
+    if not np.isfinite(last).all():
+        return 180.0
     off = np.arctan2(np.sin(last - target).mean(), np.cos(last - target).mean())
     return float(np.degrees(abs(off)))
 

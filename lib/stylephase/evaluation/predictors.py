@@ -1,7 +1,7 @@
 """Predictors of the next frame, trained and naive, behind one signature, so that all take the same test."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -17,7 +17,8 @@ from stylephase.models.bundle import Bundle, build_network
 Predictor = Callable[[Float[ndarray, "rows inputs"], Float[ndarray, "rows 8"]], Float[ndarray, "rows outputs"]]
 # Ridge regression's weight of the squared coefficients, per training row, on normalised values.
 _RIDGE = 1e-4
-_UNTRAINED_SEED = 0
+# Seed of the untrained weights and of the dropout.
+_SEED = 0
 
 
 def predict_mean(normaliser: Normaliser) -> Predictor:
@@ -38,7 +39,7 @@ def predict_hold(layout: Layout, normaliser: Normaliser) -> Predictor:
 
 @dataclass(frozen=True)
 class Ridge:
-    """Linear regression from normalised x and p to normalised y, one for all styles."""
+    """Linear regression from normalised x and p, and a constant, to normalised y, one for all styles."""
 
     normaliser: Normaliser
     weights: Float[ndarray, "inputs outputs"]
@@ -49,34 +50,41 @@ class Ridge:
 
 
 def fit_ridge(styles: Sequence[StyleVectors], normaliser: Normaliser) -> Ridge:
-    """Fit on the training rows of all styles; the inputs are centred, so there is no constant."""
-    square, cross, count = 0.0, 0.0, 0
+    """Fit on the training rows of all styles.
+
+    With a constant: where the statistics count mirror images, the rows that are fitted here are not centred.
+    """
+    width = len(normaliser.x_mean) + len(normaliser.p_mean) + 1
+    square, cross, count = np.zeros((width, width)), np.zeros((width, len(normaliser.y_mean))), 0
     for style in styles:
         rows = style.rows("train")
         inputs = _joined(normaliser, style.x[rows], style.p[rows])
         outputs = (style.y[rows] - normaliser.y_mean) / normaliser.y_std
         square, cross, count = square + inputs.T @ inputs, cross + inputs.T @ outputs, count + len(rows)
-    penalty = _RIDGE * count * np.eye(len(np.asarray(square)))
+    penalty = _RIDGE * count * np.eye(width)
     return Ridge(normaliser, np.linalg.solve(square + penalty, cross))
 
 
 def _joined(normaliser: Normaliser, x: ndarray, p: ndarray) -> Float[ndarray, "rows inputs"]:
     n = normaliser
-    return np.concatenate([(x - n.x_mean) / n.x_std, (p - n.p_mean) / n.p_std], axis=1)
+    return np.concatenate([(x - n.x_mean) / n.x_std, (p - n.p_mean) / n.p_std, np.ones((len(x), 1))], axis=1)
 
 
 def predict_network(bundle: Bundle, style: str, *, dropout: bool = False) -> Predictor:
-    """The bundle's network with one style's stored code, in eval mode; or with dropout on, as the release tests."""
-    n, code = bundle.normaliser, bundle.code(style)
+    """The bundle's network with one style's stored code, in eval mode; or with dropout on, as the release tests.
+
+    The dropout is the same in every call.
+    """
+    n, code, network = bundle.normaliser, bundle.code(style), bundle.network.synthesis
 
     def predict(x: ndarray, p: ndarray) -> ndarray:
         scaled = [
             torch.from_numpy((v - mean) / std).float()
             for v, mean, std in ((x, n.x_mean, n.x_std), (p, n.p_mean, n.p_std))
         ]
-        network = bundle.network.synthesis.train(dropout)
-        with torch.inference_mode():
-            y = network(*scaled, code.expand(len(x), -1)).double().numpy()
+        with torch.inference_mode(), torch.random.fork_rng(devices=[]):
+            torch.manual_seed(_SEED)
+            y = network.train(dropout)(*scaled, code.expand(len(x), -1)).double().numpy()
         network.eval()
         return y * n.y_std + n.y_mean
 
@@ -84,11 +92,10 @@ def predict_network(bundle: Bundle, style: str, *, dropout: bool = False) -> Pre
 
 
 def untrained(bundle: Bundle) -> Bundle:
-    """The same with a network as it was drawn, and codes that its generator never saw."""
-    torch.manual_seed(_UNTRAINED_SEED)
-    network = build_network(bundle.body, bundle.settings).eval()
+    """The same with a network as it was drawn, and for every style the code that modulates nothing."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(_SEED)
+        network = build_network(bundle.body, bundle.settings).eval()
     network.generator.start_neutral()
     neutral = network.generator.code.bias.detach()
-    return Bundle(
-        bundle.model, network, bundle.settings, bundle.body, bundle.normaliser, dict.fromkeys(bundle.codes, neutral), {}
-    )
+    return replace(bundle, network=network, codes=dict.fromkeys(bundle.codes, neutral), about={})

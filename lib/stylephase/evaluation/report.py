@@ -15,6 +15,8 @@ from stylephase.models.bundle import Bundle
 from stylephase.training.codes import clip_codes
 from stylephase.training.sampler import Scaling
 
+# Rollouts begin with three seconds that only settle, and last no longer than this (s).
+_SHORTEST, _LONGEST = 5.0, 3600.0
 _PREDICTORS = ("network", "dropout", "wrong code", "ridge", "hold", "mean", "untrained")
 
 
@@ -39,8 +41,14 @@ def code_spread(bundle: Bundle, styles: list[StyleVectors]) -> dict[str, float]:
 def evaluate_bundle(
     bundle: Bundle, store: VectorStore, *, seconds: float, tick: Callable[[int], object]
 ) -> dict[str, Any]:
-    """Test errors, code spread and rollouts. Raises InputError where the data have another skeleton."""
-    if store.body.to_json()["names"] != bundle.body.to_json()["names"]:
+    """Test errors, code spread, and rollouts of some seconds, or none for 0.
+
+    Raises InputError where the data have another skeleton, and for rollouts that are too short or too long.
+    """
+    if seconds != 0 and not _SHORTEST <= seconds <= _LONGEST:
+        raise InputError(f"rollouts of {seconds:g} s; expected 0 for none, or {_SHORTEST:g} to {_LONGEST:g}")
+    own, known = store.body.skeleton, bundle.body.skeleton
+    if (own.names, own.parents) != (known.names, known.parents):
         raise InputError(f"the weights know another skeleton than {store.catalogue.dataset.name} has")
     styles = [store.load(style) for style in store.catalogue.styles]
     errors = test_errors(bundle, styles)
@@ -61,7 +69,7 @@ def evaluate_bundle(
 
 def table(result: dict[str, Any]) -> str:
     """The main numbers for reading."""
-    lines = ["mean squared error over normalised outputs, and bone length error (mm), on test frames"]
+    lines = ["mean squared error of normalised outputs, and bone length error (mm), on test frames"]
     for name, errors in result["groups"].items():
         lines += [f"  {name}"]
         lines += [
@@ -77,10 +85,13 @@ def table(result: dict[str, Any]) -> str:
 
 
 def _walk_line(walk: dict[str, Any], rollouts: dict[str, Any]) -> str:
+    if not walk["finite"]:
+        return f"{walk['style']:20} did not stay finite"
     bones, hips, ratio = walk["bones"], 100 * (walk["hips"] - walk["data_hips"]), walk["speed_ratio"]
     steps = f"{walk['steps']['count']:3d}{' ' if walk['alternate'] else '!'}"
+    turn, stop = rollouts["turns"][walk["style"]], rollouts["stops"][walk["style"]]
     return (
         f"{walk['style']:20} {walk['speed']:5.2f}  {ratio:5.2f}  {bones['median']:7.2f}  {bones['worst']:5.2f}"
-        f"  {bones['off']:6.1f}  {hips:7.1f}  {steps:>5}  {walk['skate']:5.2f}  {rollouts['turns'][walk['style']]:4.1f}"
-        f"  {rollouts['stops'][walk['style']]:4.2f}  {walk['nearest']}"
+        f"  {bones['off']:6.1f}  {hips:7.1f}  {steps:>5}  {walk['skate']:5.2f}  {turn:4.1f}"
+        f"  {'-' if stop is None else format(stop, '4.2f'):>4}  {walk['nearest']}"
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import torch
@@ -9,7 +10,15 @@ from jaxtyping import Float
 from numpy import ndarray
 from torch import Tensor
 
-from stylephase.evaluation.motion import Bones, Steps, bones_of, foot_skate, heading_error, steps_of
+from stylephase.evaluation.motion import (
+    Bones,
+    Steps,
+    bones_of,
+    correlation,
+    foot_skate,
+    heading_error,
+    steps_of,
+)
 from stylephase.evaluation.style import StyleSpace, walking_gaits
 from stylephase.features.body import Body
 from stylephase.features.layout import FPS, INPUT_SAMPLES
@@ -28,7 +37,11 @@ _CONTACT = 0.5
 
 @dataclass(frozen=True)
 class Walk:
-    """What one style's rollout of walking straight came to."""
+    """What one style's rollout of walking straight came to.
+
+    `gain` and speeds in m/s, heights of the hips in metres, `skate` in m/s, `nearest` the nearest real style,
+    `correlation` that of the two feet's contacts. Of a rollout that did not stay `finite` the measures are NaN.
+    """
 
     style: str
     finite: bool
@@ -55,16 +68,16 @@ class Walk:
 
 
 def walking_rows(style: StyleVectors) -> ndarray:
-    """Training rows of the style's forward walks (of all gaits where none is named)."""
-    rows = style.rows("train")
-    gaits = walking_gaits(style)
-    return rows if gaits is None else rows[np.isin(np.array(style.gaits)[style.take[rows]], gaits)]
+    """Training rows of the style's forward walks (of all gaits where none is named, or none of it is for training)."""
+    rows, gaits = style.rows("train"), walking_gaits(style)
+    walking = np.isin(np.array(style.gaits)[style.take[rows]], gaits or ())
+    return rows[walking] if walking.any() else rows
 
 
 def walking_speed(style: StyleVectors) -> float:
     """Mean speed (m/s) of the root over the walking rows: the way of about a second, from the trajectory's samples."""
     before, after = -30, 24
-    samples = style.x[walking_rows(style)][:, : 4 * len(INPUT_SAMPLES)].reshape(-1, len(INPUT_SAMPLES), 4)
+    samples = style.x[walking_rows(style), : 4 * len(INPUT_SAMPLES)].reshape(-1, len(INPUT_SAMPLES), 4)
     ends = [samples[:, INPUT_SAMPLES.index(at), :2] for at in (before, after)]
     return float(np.linalg.norm(ends[1] - ends[0], axis=1).mean() * FPS / (after - before))
 
@@ -105,31 +118,33 @@ def judge(
     settle: int = SETTLE,
 ) -> list[Walk]:
     """Metrics of straight walks, one character per style, after the settling frames."""
-    body = bundle.body
-    lengths = np.array([np.linalg.norm(body.skeleton.offsets[body.joints[child]]) for _, child in body.bones])
+    return [_walk(run, k, bundle.body, style, float(gains[k]), space, settle) for k, style in enumerate(styles)]
+
+
+def _walk(run: Rollout, k: int, body: Body, style: StyleVectors, gain: float, space: StyleSpace, settle: int) -> Walk:
+    hips = style.x[walking_rows(style), body.layout.x_pose.start + 1]
+    known = {"style": style.style, "gain": gain, "data_speed": walking_speed(style), "data_hips": float(hips.mean())}
+    if not run.finite[k]:
+        nan = float("nan")
+        measures = {"speed": nan, "hips": nan, "skate": nan, "correlation": nan, "bones": Bones(nan, nan, nan, nan)}
+        return Walk(finite=False, steps=Steps(0, 0.0, 0.0), nearest="", **known, **measures)
+    positions, contacts = run.positions[settle:, k], run.contacts[settle:, k] > _CONTACT
     toes = [body.joints.index(toe) for toe in body.skeleton.roles.toes[::-1]]
-    walks = []
-    for k, style in enumerate(styles):
-        positions, contacts = run.positions[settle:, k], run.contacts[settle:, k] > _CONTACT
-        finite = bool(np.isfinite(run.positions[:, k]).all() and np.isfinite(run.root_positions[:, k]).all())
-        rows = walking_rows(style)
-        walks.append(
-            Walk(
-                style.style,
-                finite,
-                float(gains[k]),
-                speed_of(run.root_positions[settle:, k]),
-                walking_speed(style),
-                bones_of(positions, body.bones, lengths),
-                float(positions[:, 0, 1].mean()),
-                float(style.x[rows][:, body.layout.x_pose][:, 1].mean()),
-                steps_of(contacts),
-                foot_skate(positions[:, toes], contacts),
-                space.nearest(local_poses(run, k)[settle:]) if finite else "",
-                float(np.corrcoef(run.contacts[settle:, k].T)[0, 1]),
-            )
-        )
-    return walks
+    return Walk(
+        finite=True,
+        speed=speed_of(run.root_positions[settle:, k]),
+        bones=bones_of(positions, body.bones, _true_lengths(body)),
+        hips=float(positions[:, 0, 1].mean()),
+        steps=steps_of(contacts),
+        skate=foot_skate(positions[:, toes], contacts),
+        nearest=space.nearest(local_poses(run, k)[settle:]),
+        correlation=correlation(run.contacts[settle:, k]),
+        **known,
+    )
+
+
+def _true_lengths(body: Body) -> Float[ndarray, " bones"]:
+    return np.array([np.linalg.norm(body.skeleton.offsets[body.joints[child]]) for _, child in body.bones])
 
 
 @dataclass(frozen=True)
@@ -141,9 +156,18 @@ class Judgement:
     stops: dict[str, float]
 
     def to_json(self) -> dict:
-        """Plain values."""
+        """Plain values, with None for what is not finite."""
         walks = [asdict(w) | {"speed_ratio": w.speed_ratio, "alternate": w.steps.alternate} for w in self.walks]
-        return {"walks": walks, "turns": self.turns, "stops": self.stops}
+        return _plain({"walks": walks, "turns": self.turns, "stops": self.stops})
+
+
+def _plain(value: Any) -> Any:
+    """The same with None for numbers that are not finite, which JSON cannot write."""
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_plain(part) for part in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def judge_rollouts(

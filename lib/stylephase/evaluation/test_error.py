@@ -49,9 +49,7 @@ def error_of(predictor: Predictor, style: StyleVectors, bundle: Bundle, lengths:
     return Error(float(mse), float((bones[0] - bones[1]).abs().mean()))
 
 
-def test_errors(
-    bundle: Bundle, styles: Sequence[StyleVectors], *, part: str = "test", progress=lambda styles: styles
-) -> dict[str, dict[str, Error]]:
+def test_errors(bundle: Bundle, styles: Sequence[StyleVectors], *, part: str = "test") -> dict[str, dict[str, Error]]:
     """For each style with frames in the part, the error of the network and of every rival.
 
     `network` has the style's stored code, `dropout` the same with dropout on, `wrong code` the mean over some codes
@@ -60,39 +58,32 @@ def test_errors(
     n, layout, lengths = bundle.normaliser, bundle.body.layout, bone_lengths(bundle.body)
     blank = untrained(bundle)
     fixed = {"mean": predict_mean(n), "hold": predict_hold(layout, n), "ridge": fit_ridge(styles, n)}
-    torch.manual_seed(0)
     errors = {}
-    for style in progress([style for style in styles if len(test_rows(style, part))]):
+    for style in (style for style in styles if len(test_rows(style, part))):
         rivals = fixed | {
             "network": predict_network(bundle, style.style),
             "dropout": predict_network(bundle, style.style, dropout=True),
             "untrained": predict_network(blank, style.style),
         }
         errors[style.style] = {name: error_of(rival, style, bundle, lengths, part) for name, rival in rivals.items()}
-        others = _others(bundle.styles, style.style)
-        wrong = [error_of(predict_network(bundle, other), style, bundle, lengths, part) for other in others]
+        wrong = [predict_network(bundle, other) for other in other_styles(bundle.styles, style.style)]
         if wrong:
-            errors[style.style]["wrong code"] = Error(
-                *(float(np.mean([getattr(e, k) for e in wrong])) for k in ("mse", "bll"))
-            )
+            errors[style.style]["wrong code"] = _mean([error_of(w, style, bundle, lengths, part) for w in wrong])
     return errors
 
 
-def _others(styles: Sequence[str], style: str) -> list[str]:
+def other_styles(styles: Sequence[str], style: str) -> list[str]:
     """Some other styles, spread evenly over the rest."""
     rest = [other for other in styles if other != style]
-    return (
-        [rest[k] for k in np.unique(np.linspace(0, len(rest) - 1, min(_WRONG_CODES, len(rest))).astype(int))]
-        if rest
-        else []
-    )
+    return [rest[k] for k in np.unique(np.linspace(0, len(rest) - 1, min(_WRONG_CODES, len(rest))).astype(int))]
+
+
+def _mean(errors: Sequence[Error]) -> Error:
+    return Error(float(np.mean([error.mse for error in errors])), float(np.mean([error.bll for error in errors])))
 
 
 def mean_over(errors: dict[str, dict[str, Error]], styles: Iterable[str]) -> dict[str, Error]:
     """Plain means over some styles, as the release reports ([M22] release 4.6)."""
     chosen = [errors[style] for style in styles if style in errors]
     names = [name for name in chosen[0] if all(name in one for one in chosen)] if chosen else []
-    return {
-        name: Error(*(float(np.mean([getattr(one[name], k) for one in chosen])) for k in ("mse", "bll")))
-        for name in names
-    }
+    return {name: _mean([one[name] for one in chosen]) for name in names}

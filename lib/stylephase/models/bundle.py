@@ -11,7 +11,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor
 
-from stylephase.errors import InputError
+from stylephase.errors import InputError, hint
 from stylephase.features.body import Body, body_from_json
 from stylephase.features.layout import Layout
 from stylephase.features.normaliser import Normaliser
@@ -43,9 +43,9 @@ class Bundle:
         return tuple(self.codes)
 
     def code(self, style: str) -> Float[Tensor, " values"]:
-        """The style's code; raises InputError with the styles there are."""
+        """The style's code; raises InputError with the styles spelt alike, or else all."""
         if style not in self.codes:
-            raise InputError(f"no style {style!r} in these weights; there are {', '.join(self.styles)}")
+            raise InputError(f"no style {style!r} in these weights; {hint(style, self.styles)}")
         return self.codes[style]
 
 

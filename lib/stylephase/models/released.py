@@ -12,14 +12,23 @@ from jaxtyping import Float
 from numpy import ndarray
 from torch import Tensor
 
+from stylephase.data.archive import fetch, where
+from stylephase.data.catalogue import load_catalogue
+from stylephase.data.layouts import published_entries
+from stylephase.data.registry import dataset, released_weights
 from stylephase.errors import InputError
+from stylephase.features.body import body_of
 from stylephase.features.normaliser import Normaliser
+from stylephase.models.bundle import Bundle, build_network
 from stylephase.models.lpn import NetworkSettings, SynthesisNetwork
 
 STYLES = 100
 _INPUTS, _PHASES, _OUTPUTS = 348, 8, 342
 _SETTINGS = NetworkSettings()
 _STATISTICS = {"x": ("X", _INPUTS), "p": ("GT_X", _PHASES), "y": ("Y", _OUTPUTS)}
+# Styles that the network was not trained on; their codes were found later.
+_LATER = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
+_NAME, _INSIDE = "lpn-release", "local-phases/animation-demo/Unity/Assets/Demo/Parameters/LPN"
 _CODE_PARTS = ("scale1", "shift1", "scale2", "shift2")
 
 
@@ -50,6 +59,32 @@ def load_released(folder: str | Path) -> Released:
         for part in ("mean", "std")
     }
     return Released(network.eval(), Normaliser(**statistics), torch.stack([_code(folder, n) for n in range(STYLES)]))
+
+
+def style_names() -> tuple[str, ...]:
+    """Names of the styles in the order of the release's codes."""
+    names = sorted({entry.style for entry in published_entries()})
+    return (*(name for name in names if name not in _LATER), *_LATER)
+
+
+def release_bundle() -> Bundle:
+    """The release as a bundle on 100STYLE's skeleton, from the mirror; it has no FiLM generator that could be run.
+
+    Raises InputError where the archives are not at hand, and whatever `fetch` and `load_released` raise.
+    """
+    source = released_weights()[_NAME]
+    released = load_released(fetch(source) / _INSIDE)
+    if where(dataset("100style")) == "download":
+        raise InputError("the release walks on 100STYLE's skeleton; first run: stylephase data fetch 100style")
+    body = body_of(load_catalogue("100style"))
+    # Tensors on the device meta have a shape and no values: whoever runs the generator is told so.
+    with torch.device("meta"):
+        network = build_network(body, _SETTINGS)
+    network.synthesis = released.network
+    about = {"data": "100style", "phases": "release"}
+    about |= {key: getattr(source, key) for key in ("origin", "licence", "credit", "source")}
+    codes = dict(zip(style_names(), released.codes, strict=True))
+    return Bundle("lpn-film", network.eval(), _SETTINGS, body, released.normaliser, codes, about)
 
 
 def _gating(folder: Path) -> dict[str, Tensor]:

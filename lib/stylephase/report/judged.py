@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from stylephase.errors import InputError
+
 Evaluation = dict[str, Any]
 
 
@@ -34,46 +36,47 @@ def one_step_values(results: Sequence[Evaluation], group: str) -> dict[str, floa
 
 
 def rollout_values(results: Sequence[Evaluation]) -> dict[str, float | list[float]]:
-    """Claims about the rollouts of all styles."""
+    """Claims about the rollouts of all styles: measures are of those that stayed finite, counts of all.
+
+    Raises InputError where none did.
+    """
     walks = [result["rollouts"]["walks"] for result in results]
+    finite = [[walk for walk in one if walk["finite"]] for one in walks]
+    if not all(finite):
+        raise InputError("a run has no rollout that stayed finite")
 
-    def over_seeds(value: Callable[[list[Evaluation]], float], largest: bool = True) -> float:
-        return worst([value(one) for one in walks], largest)
+    def highest(value: Callable[[list[Evaluation]], float]) -> float:
+        return worst([value(one) for one in finite])
 
-    ratios = [walk["speed_ratio"] for one in walks for walk in one]
+    def fewest(of: Callable[[Evaluation], bool], group: str = "") -> float:
+        return worst([sum(of(walk) for walk in one if walk["style"].startswith(group)) for one in walks], largest=False)
+
+    ratios = [walk["speed_ratio"] for one in finite for walk in one]
     return {
-        "ours-rollout-finite": over_seeds(lambda one: sum(w["finite"] for w in one), largest=False),
-        "ours-rollout-bone-median": over_seeds(lambda one: float(np.median([w["bones"]["median"] for w in one]))),
-        "ours-rollout-bone-worst": over_seeds(lambda one: max(w["bones"]["worst"] for w in one)),
-        "ours-rollout-bone-drift": over_seeds(lambda one: max(w["bones"]["drift"] for w in one)),
-        "ours-rollout-bone-off": over_seeds(lambda one: max(w["bones"]["off"] for w in one)),
-        "ours-rollout-hips": over_seeds(lambda one: max(abs(w["hips"] - w["data_hips"]) for w in one)),
-        "ours-rollout-alternation": over_seeds(lambda one: sum(w["alternate"] for w in one), largest=False),
-        "ours-rollout-alternation-set2": over_seeds(lambda one: _of("set2", one, "alternate"), largest=False),
+        "ours-rollout-finite": fewest(lambda walk: walk["finite"]),
+        "ours-rollout-bone-median": highest(lambda one: float(np.median([w["bones"]["median"] for w in one]))),
+        "ours-rollout-bone-worst": highest(lambda one: max(w["bones"]["worst"] for w in one)),
+        "ours-rollout-bone-drift": highest(lambda one: max(w["bones"]["drift"] for w in one)),
+        "ours-rollout-bone-off": highest(lambda one: max(w["bones"]["off"] for w in one)),
+        "ours-rollout-hips": highest(lambda one: max(abs(w["hips"] - w["data_hips"]) for w in one)),
+        "ours-rollout-alternation": fewest(lambda walk: walk["alternate"]),
+        "ours-rollout-alternation-set2": fewest(lambda walk: walk["alternate"], "set2-"),
         "ours-rollout-speed": [min(ratios), max(ratios)],
-        "ours-rollout-style-set2": over_seeds(lambda one: sum(_right(w) for w in one if _in("set2", w)), largest=False),
-        "ours-rollout-style-all": over_seeds(lambda one: sum(_right(w) for w in one), largest=False),
+        "ours-rollout-style-set2": fewest(_right, "set2-"),
+        "ours-rollout-style-all": fewest(_right),
         "ours-rollout-turns": worst([max(result["rollouts"]["turns"].values()) for result in results]),
     }
 
 
 def stop_range(results: Sequence[Evaluation]) -> tuple[float, float]:
-    """Lowest and highest speed (m/s) in the last seconds after being told to stop."""
-    speeds = [speed for result in results for speed in result["rollouts"]["stops"].values()]
+    """Lowest and highest speed (m/s) in the last seconds after being told to stop, of what stayed finite."""
+    speeds = [speed for result in results for speed in result["rollouts"]["stops"].values() if speed is not None]
     return min(speeds), max(speeds)
 
 
 def code_ratio(results: Sequence[Evaluation]) -> float:
     """Spread of style codes between styles over that within, of the worst seed."""
     return worst([result["codes"]["between"] / result["codes"]["within"] for result in results], largest=False)
-
-
-def _in(group: str, walk: Evaluation) -> bool:
-    return walk["style"].startswith(f"{group}-")
-
-
-def _of(group: str, walks: list[Evaluation], key: str) -> int:
-    return sum(bool(walk[key]) for walk in walks if _in(group, walk))
 
 
 def _right(walk: Evaluation) -> bool:

@@ -30,6 +30,21 @@ _TELLING = (
     "normal",
 )
 
+_HEADS = (
+    "style",
+    "speed m/s",
+    "of the data's",
+    "bones %, median",
+    "worst",
+    "drift mm",
+    "hips cm",
+    "steps",
+    "skate m/s",
+    "turn off by °",
+    "after stop m/s",
+    "nearest style",
+)
+
 
 def interval(values: Sequence[float]) -> tuple[float, float, float]:
     """Mean, least and most."""
@@ -64,34 +79,29 @@ def data_walk(store: VectorStore, style: str, label: str) -> Motion:
 
 def summary(result: dict[str, Any]) -> str:
     """A Markdown table of the rollouts of one run."""
-    heads = (
-        "style",
-        "speed m/s",
-        "of the data's",
-        "bones %, median",
-        "worst",
-        "drift mm",
-        "hips cm",
-        "steps",
-        "skate m/s",
-    )
-    heads += ("turn off by °", "after stop m/s", "nearest style")
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
-    for walk in result["rollouts"]["walks"]:
-        bones, steps = walk["bones"], f"{walk['steps']['count']}{'' if walk['alternate'] else ' !'}"
-        cells = (
-            walk["style"],
-            f"{walk['speed']:.2f}",
-            f"{walk['speed_ratio']:.2f}",
-            f"{bones['median']:.2f}",
-            f"{bones['worst']:.2f}",
-            f"{bones['drift']:.1f}",
-            f"{100 * (walk['hips'] - walk['data_hips']):+.1f}",
-            steps,
-            f"{walk['skate']:.2f}",
-            f"{result['rollouts']['turns'][walk['style']]:.1f}",
-            f"{result['rollouts']['stops'][walk['style']]:.2f}",
-            walk["nearest"] if walk["nearest"] != walk["style"] else "the right one",
-        )
-        lines.append("| " + " | ".join(cells) + " |")
+    rollouts = result["rollouts"]
+    lines = ["| " + " | ".join(_HEADS) + " |", "|---" * len(_HEADS) + "|"]
+    for walk in rollouts["walks"]:
+        turn, stop = rollouts["turns"][walk["style"]], rollouts["stops"][walk["style"]]
+        lines.append("| " + " | ".join([walk["style"], *_cells(walk, turn, stop)]) + " |")
     return "\n".join(lines)
+
+
+def _cells(walk: dict[str, Any], turn: float, stop: float | None) -> list[str]:
+    """A style's row of the summary; empty after a word where the character did not stay finite."""
+    if not walk["finite"]:
+        return ["not finite", *[""] * (len(_HEADS) - 2)]
+    bones = walk["bones"]
+    return [
+        f"{walk['speed']:.2f}",
+        f"{walk['speed_ratio']:.2f}",
+        f"{bones['median']:.2f}",
+        f"{bones['worst']:.2f}",
+        f"{bones['drift']:.1f}",
+        f"{100 * (walk['hips'] - walk['data_hips']):+.1f}",
+        f"{walk['steps']['count']}{'' if walk['alternate'] else ' !'}",
+        f"{walk['skate']:.2f}",
+        f"{turn:.1f}",
+        "" if stop is None else f"{stop:.2f}",
+        "the right one" if walk["nearest"] == walk["style"] else walk["nearest"],
+    ]

@@ -25,8 +25,12 @@ _SPEED_WINDOW = 0.5
 _WARM_UP_SECONDS = 3.0
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def speed_of(root: Float[ndarray, "frames 2"], fps: float = FPS) -> float:
-    """Mean speed along the ground (m/s), of the path over half a second at a time, so that sway does not count."""
+    """Mean speed along the ground (m/s), of the path over half a second at a time, so that sway does not count.
+
+    0 for a path of less than that; not finite where the path is not.
+    """
     step = max(1, int(fps * _SPEED_WINDOW))
     if len(root) <= step:
         return 0.0
@@ -39,11 +43,8 @@ def warm_start(
     """Characters at the origin, facing +z, after some seconds of walking that began at the mean frame of the data."""
     n = bundle.normaliser
     x, p = (np.tile(mean, (len(codes), 1)) for mean in (n.x_mean, n.p_mean))
-    controller, state, plan = (
-        Controller(bundle, codes, ControllerSettings()),
-        start_state(x, p, bundle.body.layout),
-        Steady(speeds),
-    )
+    controller, plan = Controller(bundle, codes, ControllerSettings()), Steady(speeds)
+    state = start_state(x, p, bundle.body.layout)
     for frame in range(int(_WARM_UP_SECONDS * FPS)):
         state = controller.step(state, plan(frame, state))
     return start_state(input_of(state), state.phases, bundle.body.layout)
@@ -70,7 +71,9 @@ def calibrate(
     return gains[:, 0]
 
 
-def _speeds(bundle: Bundle, codes: Tensor, start: State, gains: ndarray, settings, tick: Tick) -> ndarray:
+def _speeds(
+    bundle: Bundle, codes: Tensor, start: State, gains: ndarray, settings: ControllerSettings | None, tick: Tick
+) -> ndarray:
     """Speeds over the second half of a trial, for each character and gain."""
     each = gains.shape[1]
     spread = codes.repeat_interleave(each, dim=0)

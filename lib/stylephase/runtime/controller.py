@@ -38,32 +38,30 @@ RELEASE = ControllerSettings(root_share=0.85)
 
 @dataclass(frozen=True)
 class State:
-    """Some characters between two frames: path, body in the world, velocities (m/s), phases, last contacts."""
+    """Some characters between two frames.
+
+    `path` runs through the root, `positions` (m) and `velocities` (m/s) of the joints are in the world, `rotations`
+    turn each joint from the rest pose; `phases` are phase vectors, `contacts` the network's last (right, left).
+    """
 
     path: Trajectory
     positions: Float[ndarray, "characters joints 3"]
-    forward: Float[ndarray, "characters joints 3"]
-    up: Float[ndarray, "characters joints 3"]
+    rotations: Float[ndarray, "characters joints 3 3"]
     velocities: Float[ndarray, "characters joints 3"]
     phases: Float[ndarray, "characters 8"]
     contacts: Float[ndarray, "characters 2"]
 
-    @property
-    def rotations(self) -> Float[ndarray, "characters joints 3 3"]:
-        """Orientation of each joint against the rest pose."""
-        return from_axes(self.forward, self.up)
-
     def repeated(self, times: int) -> "State":
         """Each character `times` over, one copy after the other."""
         path = Trajectory(*(np.repeat(part, times, axis=0) for part in (self.path.positions, self.path.directions)))
-        arrays = ("positions", "forward", "up", "velocities", "phases", "contacts")
+        arrays = ("positions", "rotations", "velocities", "phases", "contacts")
         return replace(self, path=path, **{name: np.repeat(getattr(self, name), times, axis=0) for name in arrays})
 
 
 def input_of(state: State) -> Float[ndarray, "characters inputs"]:
     """The network's input x (metres) for the present state."""
-    root = state.path.root
-    directions = [rotate_to_local(root, part) for part in (state.forward, state.up, state.velocities)]
+    root, forward, up = state.path.root, state.rotations[..., 2], state.rotations[..., 1]
+    directions = [rotate_to_local(root, part) for part in (forward, up, state.velocities)]
     pose = np.concatenate([to_local(root, state.positions), *directions], axis=-1)
     return np.concatenate([samples_of(state.path), pose.reshape(len(pose), -1)], axis=1)
 
@@ -72,8 +70,9 @@ def start_state(x: Float[ndarray, "characters inputs"], p: Float[ndarray, "chara
     """Characters at the origin, facing +z, in the state of some frames of data."""
     origin = Root(np.zeros((len(x), 2)), np.zeros(len(x)))
     joints = x[:, layout.x_pose].reshape(len(x), layout.joints, 4, 3)
+    position, forward, up, velocity = (joints[:, :, k] for k in range(4))
     path = from_samples(x[:, layout.x_trajectory], origin)
-    return State(path, *(joints[:, :, k] for k in range(4)), p.astype(float), np.zeros((len(x), 2)))
+    return State(path, position, from_axes(forward, up), velocity, p.astype(float), np.zeros((len(x), 2)))
 
 
 class Controller:
@@ -94,8 +93,14 @@ class Controller:
             y = self.network(*scaled, self.codes).double().numpy()
         return y * self.scales["y"][1] + self.scales["y"][0]
 
+    # What turns infinite stays so, for the caller to judge.
+    @np.errstate(over="ignore", invalid="ignore")
     def step(self, state: State, steering: Steering) -> State:
-        """The next frame."""
+        """The next frame.
+
+        The axes are made a rotation before they are fed back ([M22] release 5.3): fed back as they are, they drift
+        from unit length and the released network walks faster and with shorter steps.
+        """
         how = self.settings
         state = replace(state, path=steer(state.path, steering, how.position_bias, how.direction_bias))
         path, root = state.path, state.path.root
@@ -110,8 +115,7 @@ class Controller:
             state,
             path=advance(path, predicted, how.root_share, how.path_share),
             positions=carried + how.pose_share * (position - carried),
-            forward=forward,
-            up=up,
+            rotations=from_axes(forward, up),
             velocities=velocity,
             phases=how.phase_share * phases[0] + (1 - how.phase_share) * phases[1],
             contacts=y[:, self.layout.y_contacts],

@@ -15,8 +15,8 @@ from stylephase.runtime.trajectory import Steering
 
 # From the frame number and the characters' present state to what is wanted of each.
 Plan = Callable[[int, State], Steering]
-# A character on a path heads for the point this far ahead on it (m).
-_LOOK_AHEAD = 0.8
+# A character on a path heads for the point this far ahead on it, and gets on by at most so much in a frame (m).
+_LOOK_AHEAD, _REACH = 0.8, 2.0
 
 
 def heading(angles: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2"]:
@@ -58,30 +58,46 @@ class TurnOnce:
         return Steering(self.speeds[:, None] * heading(facing), facing)
 
 
-@dataclass(frozen=True)
 class FollowPath:
-    """Follow a path of ground points (x, z) in metres, facing along it; past its end, go on straight."""
+    """Follow a path of ground points (x, z) in metres, facing along it; past its end, go on straight.
 
-    points: Float[ndarray, "points 2"]
-    speeds: Float[ndarray, " characters"]
+    How far each character has come is kept from frame to frame and never falls, so a path may cross itself or close.
+    Frame 0 begins anew. Neighbouring points must differ.
+    """
+
+    def __init__(self, points: Float[ndarray, "points 2"], speeds: Float[ndarray, " characters"]):
+        self.points, self.speeds = points, speeds
+        self.steps = np.diff(points, axis=0)
+        self.lengths = np.linalg.norm(self.steps, axis=1)
+        self.along = np.concatenate([[0.0], np.cumsum(self.lengths)])
+        self.reached = np.zeros(len(speeds))
 
     def __call__(self, frame: int, state: State) -> Steering:
         """Head for a point of the path a little ahead of the nearest one."""
-        root = state.path.root
-        towards = np.stack([self._ahead(position) - position for position in root.positions])
+        positions = state.path.root.positions
+        before = np.zeros_like(self.reached) if frame == 0 else self.reached
+        self.reached = np.array([self._nearest(p, s) for p, s in zip(positions, before, strict=True)])
+        towards = np.stack([self._point(s + _LOOK_AHEAD) for s in self.reached]) - positions
         facing = np.arctan2(towards[:, 0], towards[:, 1])
         return Steering(self.speeds[:, None] * heading(facing), facing)
 
-    def _ahead(self, position: Float[ndarray, "2"]) -> Float[ndarray, "2"]:
-        steps = np.diff(self.points, axis=0)
-        lengths = np.maximum(np.linalg.norm(steps, axis=1), 1e-9)
-        share = np.clip(((position - self.points[:-1]) * steps).sum(1) / lengths**2, 0, 1)
-        nearest = int(np.linalg.norm(self.points[:-1] + share[:, None] * steps - position, axis=1).argmin())
-        along = np.concatenate([[0.0], np.cumsum(lengths)])
-        target = along[nearest] + share[nearest] * lengths[nearest] + _LOOK_AHEAD
-        if target > along[-1]:
-            return self.points[-1] + (target - along[-1]) * steps[-1] / lengths[-1]
-        return np.array([np.interp(target, along, column) for column in self.points.T])
+    def _nearest(self, position: Float[ndarray, "2"], reached: float) -> float:
+        """Way along the path (m) to its nearest point that is not behind and not beyond reach."""
+        ends = self.lengths.copy()
+        ends[-1] = np.inf
+        first = np.maximum(reached - self.along[:-1], 0)
+        last = np.minimum(reached + _REACH - self.along[:-1], ends)
+        there = first <= last
+        units = self.steps / self.lengths[:, None]
+        way = np.clip(((position - self.points[:-1]) * units).sum(axis=1), first, np.maximum(first, last))
+        off = np.linalg.norm(self.points[:-1] + way[:, None] * units - position, axis=1)
+        best = int(np.where(there, off, np.inf).argmin())
+        return float(self.along[best] + way[best])
+
+    def _point(self, way: float) -> Float[ndarray, "2"]:
+        """The point so far along the path; past the end on the line of its last two points."""
+        k = min(int(np.searchsorted(self.along, way, side="right")) - 1, len(self.steps) - 1)
+        return self.points[k] + (way - self.along[k]) / self.lengths[k] * self.steps[k]
 
 
 def read_path(file: Path) -> Float[ndarray, "points 2"]:
@@ -90,8 +106,8 @@ def read_path(file: Path) -> Float[ndarray, "points 2"]:
     Raises InputError with file and line: no such file, no two finite numbers, fewer than two different points.
     """
     try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-    except (FileNotFoundError, IsADirectoryError, UnicodeDecodeError) as error:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
         raise InputError("no such text file", file) from error
     points = [_point(line, file, number) for number, line in enumerate(lines, 1) if line.strip()]
     distinct = [point for k, point in enumerate(points) if k == 0 or not np.allclose(point, points[k - 1])]

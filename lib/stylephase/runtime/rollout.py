@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 from torch import Tensor
 
@@ -39,6 +39,12 @@ class Rollout:
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    @property
+    def finite(self) -> Bool[ndarray, " characters"]:
+        """Whether all numbers of a character stayed finite."""
+        parts = (self.positions, self.rotations, self.root_positions, self.root_angles)
+        return np.all([np.isfinite(part).all(axis=(0, *range(2, part.ndim))) for part in parts], axis=0)
 
 
 def roll_out(
@@ -85,7 +91,10 @@ def parse_mixture(text: str) -> dict[str, float]:
 
 
 def mixed_code(bundle: Bundle, mixture: dict[str, float]) -> Float[Tensor, " values"]:
-    """The weighted sum of style codes ([M22] 4.4); raises InputError for weights that are no mixture."""
+    """The weighted sum of style codes, its weights brought to sum 1 ([M22] 4.4).
+
+    Raises InputError for weights that are no mixture, and for a style that the bundle does not know.
+    """
     weights = np.array(list(mixture.values()))
     if not len(weights) or not np.isfinite(weights).all() or (weights < 0).any() or not weights.sum() > 0:
         raise InputError("style weights should be numbers not below zero, with one above")
@@ -94,18 +103,17 @@ def mixed_code(bundle: Bundle, mixture: dict[str, float]) -> Float[Tensor, " val
 
 
 def to_clip(rollout: Rollout, character: int, body: Body, name: str) -> Clip:
-    """One character's motion as a clip of the body's skeleton, with constant bones: hips path and all rotations."""
+    """One character's motion as a clip of the body's skeleton: the hips' path and all rotations, constant bones.
+
+    The network's positions of the other joints are left aside. End sites turn with their parents.
+    """
     skeleton, place = body.skeleton, {joint: k for k, joint in enumerate(body.joints)}
-    frames = len(rollout)
-    world = np.empty((frames, len(skeleton), 3, 3))
+    world = np.empty((len(rollout), len(skeleton), 3, 3))
     for joint, parent in enumerate(skeleton.parents):
-        known = joint in place
-        world[:, joint] = (
-            rollout.rotations[:, character, place[joint]] @ body.rest[joint].T if known else world[:, parent]
-        )
         if skeleton.sites[joint]:
             world[:, joint] = world[:, parent]
-    local = world.copy()
-    for joint, parent in list(enumerate(skeleton.parents))[1:]:
-        local[:, joint] = np.transpose(world[:, parent], (0, 2, 1)) @ world[:, joint]
+        else:
+            world[:, joint] = rollout.rotations[:, character, place[joint]] @ body.rest[joint].T
+    parents = list(skeleton.parents[1:])
+    local = np.concatenate([world[:, :1], np.swapaxes(world[:, parents], -1, -2) @ world[:, 1:]], axis=1)
     return Clip(skeleton, FPS, from_matrix(local), rollout.positions[:, character, place[0]], name)

@@ -13,7 +13,9 @@ from stylephase.motion.root import Root, turn
 # Differs: the release has 50 points to come, which stand for the same second.
 PAST = -min(INPUT_SAMPLES)
 FUTURE = max(INPUT_SAMPLES)
-_AHEAD = np.arange(1, FUTURE + 1) / FUTURE
+# How far ahead each point lies, as the release counts: its 50 points are numbered as if they were 60, so the user
+# never has the last point all to himself.
+_AHEAD = np.arange(1, FUTURE + 1) / FUTURE * 50 / 60
 
 
 @dataclass(frozen=True)
