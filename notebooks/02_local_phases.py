@@ -312,7 +312,7 @@ def fig4(pair: str) -> Image:
     axes = plots.phase_plot(
         take.sources, take.local.phase, take.local.magnitude, take.contacts, fps=FPS, mark=len(take.sources) // 2 / FPS
     )[0]
-    axes.set_title(f"{pair}: RightHand")
+    axes.set_title(pair, loc="right")
     return save(axes, f"fig4-{name}", f"Source functions, phases and foot contacts of {pair} against time.")
 
 
@@ -361,7 +361,7 @@ part = slice(120, 360)
 axes = plots.phase_plot(
     sources[part], by_hand.phase[part], by_hand.magnitude[part], read["wide"]["HopOnRight"].contacts[part], fps=FPS
 )[0]
-axes.set_title("HopOnRight, left foot without contacts: RightHand")
+axes.set_title("HopOnRight, left foot without contacts", loc="right")
 save(axes, "hop", "Source functions, phases and contacts of a hopper, whose raised foot is read without contacts.")
 
 # %% [markdown]
