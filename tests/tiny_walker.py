@@ -22,6 +22,7 @@ from stylephase.runtime.controller import State, start_state
 
 BODY = Body(SKELETON, rest_axes(SKELETON, []))
 SMALL = NetworkSettings(experts=2, units=8, gating_units=4, generator=GeneratorSettings(filters=2, kernel=3, hidden=4))
+STYLES = ("Plain", "Old", "Very old", "set1-not-old")
 SPEED = 1.1
 
 
@@ -70,18 +71,15 @@ def bundle(*styles: str, network: torch.nn.Module | None = None) -> Bundle:
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
         whole = build_network(BODY, SMALL).eval()
-        codes = {
-            style: torch.randn(4 * SMALL.units) for style in styles or ("Plain", "Old", "Very old", "set1-not-old")
-        }
+        codes = {style: torch.randn(4 * SMALL.units) for style in styles or STYLES}
     if network is not None:
         whole.synthesis = network
-    return Bundle(
-        "lpn-film", whole, SMALL, BODY, statistics(), codes, {"data": "made", "phases": "wide", "licence": "none"}
-    )
+    about = {"data": "made", "phases": "wide", "licence": "none"}
+    return Bundle("lpn-film", whole, SMALL, BODY, statistics(), codes, about)
 
 
 class Fixed(torch.nn.Module):
-    """A network that gives prepared outputs, one row of outputs (in metres) after the other, to all characters alike."""
+    """A network that gives prepared outputs, in metres, one row after the other, to all characters alike."""
 
     def __init__(self, outputs: np.ndarray, normaliser: Normaliser):
         super().__init__()

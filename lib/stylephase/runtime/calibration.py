@@ -4,8 +4,6 @@ The steering's velocity is a wish that the network's own path outweighs, so more
 ([M22] release 5.2: a gain, not metres per second). How much depends on the style, and is measured.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -83,7 +81,9 @@ def _speeds(
     return np.array([speed_of(second_half[:, k]) for k in range(gains.size)]).reshape(gains.shape)
 
 
-def _finer(gains: ndarray, speeds: ndarray, target: float) -> Sequence[float]:
+def _finer(
+    gains: Float[ndarray, " gains"], speeds: Float[ndarray, " gains"], target: float
+) -> Float[ndarray, " gains"]:
     """Gains between the two neighbours that enclose the target most closely, or around the nearest one."""
     off = np.where(np.isfinite(speeds), speeds - target, np.inf)
     crossing = np.flatnonzero(np.sign(off[:-1]) != np.sign(off[1:]))
@@ -94,6 +94,6 @@ def _finer(gains: ndarray, speeds: ndarray, target: float) -> Sequence[float]:
     return np.linspace(gains[max(best - 1, 0)], gains[min(best + 1, len(gains) - 1)], len(gains))
 
 
-def _nearest(gains: ndarray, speeds: ndarray, target: float) -> Sequence[float]:
+def _nearest(gains: Float[ndarray, " gains"], speeds: Float[ndarray, " gains"], target: float) -> Float[ndarray, "1"]:
     off = np.where(np.isfinite(speeds), np.abs(speeds - target), np.inf)
     return gains[[int(off.argmin())]]

@@ -19,21 +19,24 @@ from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_sa
 class ControllerSettings:
     """How network and user share the control ([M22] release 5.2, 5.3).
 
-    `root_share` of the predicted root step is taken and `path_share` of the predicted path; `position_bias` and
-    `direction_bias` shape how the future bends; `pose_share` weighs the predicted joint positions against the last
-    pose carried on by its velocity, `phase_share` the predicted phases against the last ones plus their update.
+    `root_share` of the predicted root step is taken and `path_share` of the predicted path; `position_bias`,
+    `direction_bias` and `reach` shape how the future bends (trajectory.py); `pose_share` weighs the predicted joint
+    positions against the last pose carried on by its velocity, `phase_share` the predicted phases against the last
+    ones plus their update.
     """
 
     root_share: float = 1.0
     path_share: float = 0.85
     position_bias: float = 0.75
     direction_bias: float = 1.25
+    reach: float = 1.0
     pose_share: float = 0.5
     phase_share: float = 0.5
 
 
-# The release takes 85 % of the root step, by which its feet slide.
-RELEASE = ControllerSettings(root_share=0.85)
+# The release takes 85 % of the root step, by which its feet slide. Its 50 points to come are numbered as if they were
+# 60, so the last is not wholly the user's; characters then turn less exactly.
+RELEASE = ControllerSettings(root_share=0.85, reach=50 / 60)
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,8 @@ class Controller:
         from unit length and the released network walks faster and with shorter steps.
         """
         how = self.settings
-        state = replace(state, path=steer(state.path, steering, how.position_bias, how.direction_bias))
+        bias = {"position_bias": how.position_bias, "direction_bias": how.direction_bias, "reach": how.reach}
+        state = replace(state, path=steer(state.path, steering, **bias))
         path, root = state.path, state.path.root
         y = self.predict(input_of(state), state.phases)
         predicted = _world_samples(y[:, self.layout.y_trajectory], root)

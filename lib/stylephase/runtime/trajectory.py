@@ -13,9 +13,7 @@ from stylephase.motion.root import Root, turn
 # Differs: the release has 50 points to come, which stand for the same second.
 PAST = -min(INPUT_SAMPLES)
 FUTURE = max(INPUT_SAMPLES)
-# How far ahead each point lies, as the release counts: its 50 points are numbered as if they were 60, so the user
-# never has the last point all to himself.
-_AHEAD = np.arange(1, FUTURE + 1) / FUTURE * 50 / 60
+_AHEAD = np.arange(1, FUTURE + 1) / FUTURE
 
 
 @dataclass(frozen=True)
@@ -75,9 +73,14 @@ def samples_of(path: Trajectory) -> Float[ndarray, "characters values"]:
     return np.concatenate([positions, directions], axis=-1).reshape(len(positions), -1)
 
 
-def steer(path: Trajectory, steering: Steering, position_bias: float, direction_bias: float) -> Trajectory:
-    """Bend the future towards what the user wants, the more the further ahead ([M22] release 5.2)."""
-    towards, turning = 1 - (1 - _AHEAD) ** position_bias, 1 - (1 - _AHEAD) ** direction_bias
+def steer(
+    path: Trajectory, steering: Steering, *, position_bias: float, direction_bias: float, reach: float
+) -> Trajectory:
+    """Bend the future towards what the user wants, the more the further ahead ([M22] release 5.2).
+
+    The user's weight at a point that lies the share s of the second ahead is 1 - (1 - `reach` s)^bias.
+    """
+    towards, turning = (1 - (1 - reach * _AHEAD) ** bias for bias in (position_bias, direction_bias))
     steps = np.diff(path.positions[:, PAST:], axis=1)
     steps = steps + towards[:, None] * (steering.velocity[:, None] / FPS - steps)
     positions, directions = path.positions.copy(), path.directions.copy()

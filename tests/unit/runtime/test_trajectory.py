@@ -1,5 +1,7 @@
 """The path: samples in and out, how it bends, how it moves on, and that the world has no preferred direction."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -19,6 +21,7 @@ from stylephase.runtime.trajectory import (
 )
 
 EXACT = 1e-12
+RELEASED = {"position_bias": 0.75, "direction_bias": 1.25, "reach": 50 / 60}
 POINTS = np.arange(-PAST, FUTURE + 1)
 AT = PAST + np.array(OUTPUT_SAMPLES)
 
@@ -62,7 +65,7 @@ class TestSamples:
     def test_between_samples_it_is_straight_with_unit_directions(self, rng):
         samples, root = wandering(rng, 1)
         path = from_samples(samples, root)
-        for before, after in zip(INPUT_SAMPLES, INPUT_SAMPLES[1:], strict=False):
+        for before, after in pairwise(INPUT_SAMPLES):
             steps = np.diff(path.positions[0, PAST + before : PAST + after + 1], axis=0)
             np.testing.assert_allclose(steps, np.broadcast_to(steps[0], steps.shape), atol=1e-9)
         np.testing.assert_allclose(np.linalg.norm(path.directions, axis=-1), 1.0, atol=EXACT)
@@ -78,14 +81,14 @@ class TestSamples:
 class TestSteer:
     def test_what_goes_on_as_it_was_stays_straight(self):
         path = straight(1.3, angle=0.8, x=2.0, z=-1.0)
-        same = steer(path, Steering(1.3 * heading(0.8)[None], np.array([0.8])), 0.75, 1.25)
+        same = steer(path, Steering(1.3 * heading(0.8)[None], np.array([0.8])), **RELEASED)
         np.testing.assert_allclose(same.positions, path.positions, atol=EXACT)
         np.testing.assert_allclose(same.directions, path.directions, atol=EXACT)
 
     def test_the_user_weighs_the_more_the_further_ahead(self):
         """The release's numbers: 1 - (1 - w)^0.75 for steps and ^1.25 for facing, w up to 5/6 after one second."""
         ahead = np.arange(1, 61) / 72
-        found = steer(straight(0.0), Steering(np.array([[6.0, 0.0]]), np.array([np.pi / 2])), 0.75, 1.25)
+        found = steer(straight(0.0), Steering(np.array([[6.0, 0.0]]), np.array([np.pi / 2])), **RELEASED)
         steps = np.diff(found.positions[0, PAST:], axis=0)
         np.testing.assert_allclose(steps[:, 0], (1 - (1 - ahead) ** 0.75) * 0.1, atol=EXACT)
         np.testing.assert_allclose(steps[:, 1], 0.0, atol=EXACT)
@@ -96,13 +99,13 @@ class TestSteer:
     def test_past_and_root_stay_and_nothing_given_is_changed(self, frozen):
         path = straight(1.0)
         given = Trajectory(frozen(path.positions), frozen(path.directions))
-        found = steer(given, Steering(np.array([[3.0, 1.0]]), np.array([1.0])), 0.75, 1.25)
+        found = steer(given, Steering(np.array([[3.0, 1.0]]), np.array([1.0])), **RELEASED)
         np.testing.assert_array_equal(found.positions[:, : PAST + 1], path.positions[:, : PAST + 1])
         np.testing.assert_array_equal(found.directions[:, : PAST + 1], path.directions[:, : PAST + 1])
 
     def test_facing_the_opposite_way_keeps_unit_directions(self):
         """Halfway between two opposite facings there is none."""
-        found = steer(straight(1.0), Steering(np.array([[0.0, -1.0]]), np.array([np.pi])), 0.75, 1.25)
+        found = steer(straight(1.0), Steering(np.array([[0.0, -1.0]]), np.array([np.pi])), **RELEASED)
         np.testing.assert_allclose(np.linalg.norm(found.directions, axis=-1), 1.0, atol=EXACT)
 
 
@@ -163,7 +166,7 @@ def test_a_world_that_is_turned_turns_the_path(rng):
     turn = on_ground(np.array([angle]))[0]
 
     def run(root: Root, velocity: np.ndarray, facing: np.ndarray, forward: np.ndarray) -> Trajectory:
-        return advance(steer(from_samples(samples, root), Steering(velocity, facing), 0.75, 1.25), forward, 0.9, 0.7)
+        return advance(steer(from_samples(samples, root), Steering(velocity, facing), **RELEASED), forward, 0.9, 0.7)
 
     here = run(root, velocity, facing, forward)
     there_root = Root(root.positions @ turn.T + shift, root.angles + angle)
