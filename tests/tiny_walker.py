@@ -3,19 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import torch
 
+from stylephase.data.catalogue import Catalogue
+from stylephase.data.layouts import Entry
+from stylephase.data.registry import Dataset
 from stylephase.data.split import PARTS
 from stylephase.features.body import Body
 from stylephase.features.normaliser import Normaliser, normaliser_of
-from stylephase.features.store import StyleVectors
+from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.features.vectors import Vectors, vectors
 from stylephase.models.bundle import Bundle, build_network
 from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import NetworkSettings
 from stylephase.motion.clip import Clip, Pose, forward_kinematics
+from stylephase.motion.contacts import ContactRule
 from stylephase.motion.rest import rest_axes
 from stylephase.motion.synthetic import SKELETON, find_style, steady, walk
 from stylephase.runtime.controller import State, start_state
@@ -76,6 +81,23 @@ def bundle(*styles: str, network: torch.nn.Module | None = None) -> Bundle:
         whole.synthesis = network
     about = {"data": "made", "phases": "wide", "licence": "none"}
     return Bundle("lpn-film", whole, SMALL, BODY, statistics(), codes, about)
+
+
+class Store(VectorStore):
+    """Vectors in memory, of the walker's body."""
+
+    def __init__(self, *styles: StyleVectors):
+        entries = tuple(Entry(Path(f"{style.style}.bvh"), style.style, "FW") for style in styles)
+        dataset = Dataset("made", "Made", "synthetic", "none", "nobody", "nowhere", "own", ContactRule())
+        self.catalogue, self.known = Catalogue(dataset, entries), BODY
+        self.styles = {style.style: style for style in styles}
+
+    @property
+    def body(self) -> Body:
+        return self.known
+
+    def load(self, style: str) -> StyleVectors:
+        return self.styles[style]
 
 
 class Fixed(torch.nn.Module):

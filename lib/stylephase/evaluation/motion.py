@@ -79,10 +79,8 @@ def correlation(values: Float[ndarray, "frames 2"]) -> float:
 
 
 def heading_error(angles: Float[ndarray, " frames"], target: float, seconds: float = 2.0) -> float:
-    """Degrees between a wanted heading (rad) and the mean facing of the last seconds; 180 if that is not finite."""
+    """Degrees between a wanted heading (rad) and the mean facing of the last seconds."""
     last = angles[-int(seconds * FPS) :]
-    if not np.isfinite(last).all():
-        return 180.0
     off = np.arctan2(np.sin(last - target).mean(), np.cos(last - target).mean())
     return float(np.degrees(abs(off)))
 

@@ -33,6 +33,8 @@ from stylephase.runtime.rollout import Rollout, Tick, quiet, roll_out
 # Frames at the beginning that only settle.
 SETTLE = 180
 _CONTACT = 0.5
+# How long turns and stops are watched, and when they are asked for (s).
+_TRIAL_SECONDS, _CUE_SECONDS = 10.0, 4.0
 
 
 @dataclass(frozen=True)
@@ -179,7 +181,10 @@ def judge_rollouts(
     settings: ControllerSettings | None = None,
     tick: Tick = quiet,
 ) -> tuple[Judgement, Rollout]:
-    """Calibrate, walk straight for some seconds, turn by 90 degrees to both sides, and stop; also the straight walk."""
+    """Calibrate, walk straight for some seconds, turn by 90 degrees to both sides, and stop; also the straight walk.
+
+    Who does not stay finite in a turn is off by 180 degrees.
+    """
     start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
     targets = np.array([walking_speed(style) for style in styles])
     gains = calibrate(bundle, codes, start, targets, settings=settings, tick=tick)
@@ -190,10 +195,10 @@ def judge_rollouts(
     straight = run(Steady(gains), seconds)
     turns = np.zeros(len(styles))
     for angle in (np.pi / 2, -np.pi / 2):
-        turned = run(TurnOnce(gains, angle, at=int(4 * FPS)), 10.0)
-        off = [heading_error(turned.root_angles[:, k], angle) for k in range(len(styles))]
-        turns = np.maximum(turns, off)
-    stopped = run(Steady(gains, until=4 * FPS), 10.0)
+        turned = run(TurnOnce(gains, angle, at=int(_CUE_SECONDS * FPS)), _TRIAL_SECONDS)
+        off = np.array([heading_error(turned.root_angles[:, k], angle) for k in range(len(styles))])
+        turns = np.maximum(turns, np.where(turned.finite, off, 180.0))
+    stopped = run(Steady(gains, until=_CUE_SECONDS * FPS), _TRIAL_SECONDS)
     names = [style.style for style in styles]
     speeds = [speed_of(stopped.root_positions[-int(3 * FPS) :, k]) for k in range(len(styles))]
     judgement = Judgement(

@@ -49,7 +49,7 @@ def rollout_values(results: Sequence[Evaluation]) -> dict[str, float | list[floa
         return worst([value(one) for one in finite])
 
     def fewest(of: Callable[[Evaluation], bool], group: str = "") -> float:
-        return worst([sum(of(walk) for walk in one if walk["style"].startswith(group)) for one in walks], largest=False)
+        return float(min(sum(of(walk) for walk in one if walk["style"].startswith(group)) for one in walks))
 
     ratios = [walk["speed_ratio"] for one in finite for walk in one]
     return {
