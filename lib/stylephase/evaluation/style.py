@@ -6,14 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from sklearn.covariance import ledoit_wolf
 
 from stylephase.features.clips import clip_rows
 from stylephase.features.layout import Layout
 from stylephase.features.store import StyleVectors
 
 WALKS = ("walk", "FW")
-# The spread within a style may not be taken for less than this share of the spread between styles.
-_LEAST_SPREAD = 0.1
+# A deviation or variance below this is none.
+_CONSTANT = 1e-6
 
 
 def walking_gaits(style: StyleVectors) -> tuple[str, ...] | None:
@@ -30,15 +31,20 @@ def statistics(poses: Float[ndarray, "frames pose"]) -> Float[ndarray, " statist
 
 @dataclass(frozen=True)
 class StyleSpace:
-    """Mean statistics of each style's walking, and their spread within a style, which scales distances."""
+    """Mean statistics of each style's walking, in coordinates in which a style's own clips vary alike every way.
+
+    `scale` divides each statistic by its deviation over all clips, `whitening` then takes out what varies together
+    within a style.
+    """
 
     styles: tuple[str, ...]
-    centres: Float[ndarray, "styles statistics"]
-    spread: Float[ndarray, " statistics"]
+    centres: Float[ndarray, "styles directions"]
+    scale: Float[ndarray, " statistics"]
+    whitening: Float[ndarray, "statistics directions"]
 
     def distances(self, poses: Float[ndarray, "frames pose"]) -> Float[ndarray, " styles"]:
-        """Root mean square distance of a motion to each style, in units of the spread within a style."""
-        return np.sqrt(np.square((self.centres - statistics(poses)) / self.spread).mean(axis=1))
+        """Distance of a motion to each style, in deviations within a style."""
+        return np.linalg.norm(self.centres - statistics(poses) / self.scale @ self.whitening, axis=1)
 
     def nearest(self, poses: Float[ndarray, "frames pose"]) -> str:
         """The nearest style."""
@@ -51,15 +57,29 @@ def windows_of(style: StyleVectors, part: str, layout: Layout) -> list[Float[nda
 
 
 def style_space(styles: Sequence[StyleVectors], layout: Layout) -> StyleSpace:
-    """The space of the training clips of some styles."""
-    groups = [np.array([statistics(window) for window in windows_of(style, "train", layout)]) for style in styles]
-    kept = [(style.style, group) for style, group in zip(styles, groups, strict=True) if len(group)]
-    centres = np.array([group.mean(axis=0) for _, group in kept])
-    within = np.sqrt(
-        np.mean([group.var(axis=0) for _, group in kept if len(group) > 1] or [np.ones(centres.shape[1])], axis=0)
-    )
-    spread = np.maximum(within, _LEAST_SPREAD * centres.std(axis=0) + 1e-6)
-    return StyleSpace(tuple(name for name, _ in kept), centres, spread)
+    """The space of the training clips of some styles, those of symmetric styles mirrored too.
+
+    The covariance within a style is pooled over styles and shrunk (Ledoit and Wolf 2004): there are fewer clips than
+    statistics. This is linear discriminant analysis with equal chances.
+    """
+    groups = {style.style: _statistics_of(style, layout) for style in styles}
+    groups = {name: group for name, group in groups.items() if len(group)}
+    scale = np.concatenate(list(groups.values())).std(axis=0)
+    scale = np.where(scale < _CONSTANT, 1.0, scale)
+    apart = np.concatenate([(group - group.mean(axis=0)) / scale for group in groups.values()])
+    covariance, _ = ledoit_wolf(apart, assume_centered=True)
+    values, vectors = np.linalg.eigh(covariance)
+    whitening = vectors / np.sqrt(np.maximum(values, _CONSTANT))
+    centres = np.array([group.mean(axis=0) for group in groups.values()]) / scale @ whitening
+    return StyleSpace(tuple(groups), centres, scale, whitening)
+
+
+def _statistics_of(style: StyleVectors, layout: Layout) -> Float[ndarray, "clips statistics"]:
+    """Statistics of a style's training clips and, where it is symmetric, of their mirror images."""
+    source, sign = (part[layout.x_pose] for part in layout.mirror_x)
+    windows = windows_of(style, "train", layout)
+    images = [window[:, source - layout.x_pose.start] * sign for window in windows] if style.symmetric else []
+    return np.array([statistics(window) for window in [*windows, *images]])
 
 
 def recognised(space: StyleSpace, styles: Sequence[StyleVectors], layout: Layout, part: str) -> tuple[int, int]:
