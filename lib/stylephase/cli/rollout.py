@@ -14,6 +14,7 @@ from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle, load_bundle
 from stylephase.models.released import release_bundle
 from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.runtime import controller
 from stylephase.runtime.calibration import calibrate, speed_of, warm_start
 from stylephase.runtime.export import write_motion
 from stylephase.runtime.plans import FollowPath, Steady, read_path
@@ -47,11 +48,13 @@ def rollout(
     bundle = _bundle(weights)
     code = mixed_code(bundle, mixture)[None]
     target = np.array([speed])
+    # The authors' weights walk under the authors' own controller.
+    how = controller.RELEASE if weights == RELEASE else controller.ControllerSettings()
     start = warm_start(bundle, code, target)
     with tqdm(desc=out.name, unit="frame", disable=None) as bar:
-        gain = calibrate(bundle, code, start, target, tick=bar.update)
+        gain = calibrate(bundle, code, start, target, settings=how, tick=bar.update)
         plan = Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
-        run = roll_out(bundle, code, start, round(seconds * FPS), plan, tick=bar.update)
+        run = roll_out(bundle, code, start, round(seconds * FPS), plan, how, bar.update)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
     clip = to_clip(run, 0, bundle.body, out.stem)

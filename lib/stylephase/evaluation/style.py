@@ -79,7 +79,8 @@ def _statistics_of(style: StyleVectors, layout: Layout) -> Float[ndarray, "clips
     source, sign = (part[layout.x_pose] for part in layout.mirror_x)
     windows = windows_of(style, "train", layout)
     images = [window[:, source - layout.x_pose.start] * sign for window in windows] if style.symmetric else []
-    return np.array([statistics(window) for window in [*windows, *images]])
+    # Three numbers of position and of velocity have a mean and a deviation each: as many statistics as pose values.
+    return np.array([statistics(window) for window in [*windows, *images]]).reshape(-1, layout.pose)
 
 
 def recognised(space: StyleSpace, styles: Sequence[StyleVectors], layout: Layout, part: str) -> tuple[int, int]:

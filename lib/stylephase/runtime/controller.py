@@ -34,9 +34,9 @@ class ControllerSettings:
     phase_share: float = 0.5
 
 
-# The release takes 85 % of the root step, by which its feet slide, and 85 % of the predicted path; with so much of its
-# own path a character at a walking pose may drift into a run, and heeds the user late. Its 50 points to come are numbered as if they were
-# 60, so the last is not wholly the user's; characters then turn less exactly.
+# The release takes 85 % of the root step, by which its feet slide, and 85 % of the predicted path: with so much of its
+# own path a character may drift from walking into running, and heeds the user late. Its 50 points to come are numbered
+# as if they were 60, so the last is not wholly the user's.
 RELEASE = ControllerSettings(root_share=0.85, path_share=0.85, reach=50 / 60)
 
 

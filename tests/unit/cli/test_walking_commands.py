@@ -1,0 +1,295 @@
+"""The commands `rollout`, `evaluate` and `vectors`: what they write and say, and what they refuse in one line."""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tiny_walker as tiny
+
+from stylephase.cli import app, evaluate, rollout
+from stylephase.evaluation import report, rollouts
+from stylephase.files import read_json, write_json
+from stylephase.models.bundle import save_bundle
+from stylephase.motion.bvh import read_bvh, write_bvh
+from stylephase.motion.clip import forward_kinematics
+from stylephase.runtime import calibration
+
+Call = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def call(capsys) -> Call:
+    """Runs the command line; gives exit status, standard output and standard error."""
+
+    def run(*words: str | Path) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as end:
+            app.main([str(word) for word in words])
+        return int(end.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+def refused(result: tuple[int, str, str]) -> str:
+    """The one line of a call that must have failed for bad input."""
+    status, out, err = result
+    assert (status, out, err.count("\n")) == (2, "", 1) and err.startswith("stylephase: ")
+    return err.removeprefix("stylephase: ").rstrip("\n")
+
+
+def told(result: tuple[int, str, str]) -> dict:
+    """The JSON object that stands last on standard output."""
+    status, out, err = result
+    assert status == 0, err
+    return json.loads(out.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def weights(tmp_path_factory) -> Path:
+    """A folder of weights that were never trained, of four styles."""
+    folder = tmp_path_factory.mktemp("weights")
+    save_bundle(folder, tiny.bundle())
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def hasty(monkeypatch) -> None:
+    """Calibration, turns and stops of a few frames."""
+    monkeypatch.setattr(calibration, "_TRIAL_SECONDS", 1.1)
+    monkeypatch.setattr(calibration, "_ROUNDS", 1)
+    monkeypatch.setattr(calibration, "_WARM_UP_SECONDS", 0.1)
+    monkeypatch.setattr(rollouts, "_TRIAL_SECONDS", 1.0)
+    monkeypatch.setattr(rollouts, "_CUE_SECONDS", 0.2)
+    monkeypatch.setattr(report, "_SHORTEST", 3.3)
+
+
+class TestRollout:
+    @pytest.fixture
+    def roll(self, call, weights, tmp_path) -> Call:
+        """Runs `stylephase rollout` into the test's folder; options given by name take the place of ordinary ones."""
+
+        def run(*flags: str, out: str = "walk.bvh", **options: str | Path) -> tuple[int, str, str]:
+            given = {"weights": weights, "style": "Old", "seconds": "0.5"} | options
+            words = [word for name, value in given.items() for word in (f"--{name}", value)]
+            return call("rollout", "--out", tmp_path / out, *words, *flags)
+
+        return run
+
+    def test_it_writes_a_walk_that_any_program_reads(self, roll, tmp_path):
+        found = told(roll("--json", seconds="1.5"))
+        clip = read_bvh(tmp_path / "walk.bvh", metres_per_unit=0.01)
+        assert found["out"] == str(tmp_path / "walk.bvh") and len(clip) == found["frames"] == 90
+        assert (found["style"], found["fps"], found["licence"]) == ({"Old": 1.0}, 60.0, "none")
+        assert found["gain"] > 0 and found["speed"] >= 0
+        assert clip.skeleton.names == tiny.BODY.skeleton.names
+        np.testing.assert_allclose(clip.skeleton.offsets, tiny.BODY.skeleton.offsets, atol=1e-6)
+        assert [path.name for path in tmp_path.iterdir()] == ["walk.bvh"]
+
+    def test_arrays_are_those_of_the_bvh(self, roll, tmp_path):
+        assert roll()[0] == 0 and roll(out="walk.npz")[0] == 0
+        pose = forward_kinematics(read_bvh(tmp_path / "walk.bvh", metres_per_unit=0.01))
+        with np.load(tmp_path / "walk.npz", allow_pickle=False) as found:
+            np.testing.assert_allclose(found["positions"], pose.positions, atol=1e-4)
+            assert found["contacts"].shape == (30, 2) and found["contacts"].dtype == bool
+
+    def test_the_text_gives_file_frames_style_and_speed(self, roll, tmp_path):
+        status, out, _ = roll(style="set1-not-old:3,Plain:1", speed="1.2")
+        assert status == 0 and out.startswith(f"{tmp_path / 'walk.bvh'}: 30 frames of set1-not-old:3,Plain:1 at ")
+        assert "asked: 1.20" in out
+
+    def test_one_call_twice_gives_one_file(self, roll, tmp_path):
+        roll(out="one.bvh")
+        roll(out="two.bvh")
+        assert (tmp_path / "one.bvh").read_bytes() == (tmp_path / "two.bvh").read_bytes()
+
+    def test_turning_strafing_and_a_path_reach_the_controller(self, roll, tmp_path, monkeypatch):
+        """In degrees on the command line, in radians inside; at the calibrated gain."""
+        plans = []
+
+        def note(bundle, code, start, frames, plan, **others):
+            plans.append(plan)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(rollout, "roll_out", note)
+        (tmp_path / "way.txt").write_text("0 0\n-3 0\n")
+        assert roll(turn="-90", strafe="45")[0] == 130 and roll(path=tmp_path / "way.txt")[0] == 130
+        steady, follow = plans
+        assert (steady.turn, steady.strafe) == pytest.approx((-np.pi / 2, np.pi / 4))
+        np.testing.assert_array_equal(follow.points, [[0, 0], [-3, 0]])
+        assert (steady.speeds > 0).all() and follow.speeds == steady.speeds
+        assert [path.name for path in tmp_path.iterdir()] == ["way.txt"]
+
+    def test_a_movie_shows_the_clip(self, roll, tmp_path, monkeypatch):
+        """Drawing is tested where it is done; here, what is handed to it."""
+        drawn = []
+
+        def draw(path: Path, motion, *, progress: bool) -> int:
+            drawn.append(motion)
+            path.write_bytes(b"movie")
+            return 1
+
+        monkeypatch.setattr("stylephase.report.render.movie", draw)
+        assert roll(out="walk.mp4")[0] == 0 and (tmp_path / "walk.mp4").exists()
+        (motion,) = drawn
+        assert motion.positions.shape == (30, len(tiny.BODY.skeleton), 3) and motion.label == "Old"
+
+    @pytest.mark.parametrize(
+        ("option", "says"),
+        [
+            ({"style": "Plane"}, "no style 'Plane' in these weights; did you mean Plain?"),
+            ({"style": "Old:0.5,Odd:0.5"}, "no style 'Odd' in these weights; did you mean Old?"),
+            ({"style": "Old:-1,Plain:2"}, "style weights should be numbers not below zero, with one above"),
+            ({"style": "Old:nan"}, "style weights should be numbers not below zero, with one above"),
+            ({"style": "Old:0"}, "style weights should be numbers not below zero, with one above"),
+            ({"style": "Old:x"}, "style 'Old:x': expected NAME:weight with a number"),
+            ({"style": ""}, "style '': a name is missing or named twice"),
+            ({"speed": "0"}, "--speed is 0; expected above 0 and at most 10 m/s"),
+            ({"speed": "-1"}, "--speed is -1; expected above 0 and at most 10 m/s"),
+            ({"speed": "nan"}, "--speed is nan; expected above 0 and at most 10 m/s"),
+            ({"speed": "100"}, "--speed is 100; expected above 0 and at most 10 m/s"),
+            ({"seconds": "0"}, "--seconds is 0; expected 0.1 to 3600"),
+            ({"seconds": "nan"}, "--seconds is nan; expected 0.1 to 3600"),
+            ({"seconds": "inf"}, "--seconds is inf; expected 0.1 to 3600"),
+            ({"turn": "inf"}, "--turn and --strafe should be finite numbers of degrees"),
+            ({"strafe": "nan"}, "--turn and --strafe should be finite numbers of degrees"),
+        ],
+    )
+    def test_bad_values_are_one_line_and_leave_nothing(self, roll, tmp_path, option, says):
+        assert refused(roll(**option)) == says
+        assert list(tmp_path.iterdir()) == []
+
+    @pytest.mark.parametrize("name", ["walk.fbx", "walk", "walk.BVHX"])
+    def test_another_suffix_is_refused_before_anything_is_done(self, roll, tmp_path, name):
+        line = refused(roll(out=name, weights="nowhere"))
+        assert line == f"{tmp_path / name}: expected a name that ends in .bvh, .npz, .mp4, .gif"
+
+    def test_missing_and_damaged_weights_are_named(self, roll, tmp_path):
+        assert refused(roll(weights=tmp_path / "none")) == f"{tmp_path / 'none' / 'model.json'}: no such file"
+        (tmp_path / "bad").mkdir()
+        (tmp_path / "bad/model.json").write_text("{}")
+        assert refused(roll(weights=tmp_path / "bad")).startswith(str(tmp_path / "bad"))
+        assert not (tmp_path / "walk.bvh").exists()
+
+    def test_a_path_that_is_none_is_named_with_its_line(self, roll, tmp_path):
+        way = tmp_path / "way.txt"
+        assert refused(roll(path=way)) == f"{way}: no such text file"
+        way.write_text("0 0\n1\n")
+        assert refused(roll(path=way)) == f"{way}:2: expected two finite numbers, found '1'"
+        way.write_text("0 0\n1 1\n")
+        line = "--path says where to go; it goes with neither --turn nor --strafe"
+        assert refused(roll(path=way, turn="10")) == refused(roll(path=way, strafe="10")) == line
+        assert [path.name for path in tmp_path.iterdir()] == ["way.txt"]
+
+    @pytest.mark.parametrize("suffix", ["bvh", "npz"])
+    def test_a_folder_that_cannot_be_made_is_one_line(self, roll, tmp_path, suffix):
+        (tmp_path / "in").write_text("the way")
+        assert refused(roll(out=f"in/walk.{suffix}")).startswith(f"{tmp_path / 'in' / f'walk.{suffix}'}: cannot write")
+        assert [path.name for path in tmp_path.iterdir()] == ["in"]
+
+    def test_a_motion_that_leaves_the_finite_numbers_is_told_and_not_written(self, roll, tmp_path):
+        bundle = tiny.bundle("Old")
+        for parameter in bundle.network.synthesis.parameters():
+            parameter.data.mul_(1e30)
+        save_bundle(tmp_path / "wild", bundle)
+        assert refused(roll(weights=tmp_path / "wild")).startswith("style Old left the finite numbers after 0.")
+        assert not (tmp_path / "walk.bvh").exists()
+
+    def test_without_the_release_at_hand_its_word_is_one_line(self, roll, cache, tmp_path, monkeypatch):
+        monkeypatch.delenv("STYLEPHASE_MIRROR", raising=False)
+        line = refused(roll(weights="release"))
+        assert line.startswith("lpn-release cannot be downloaded: put local-phases-release.tar.xz into a folder")
+        assert "STYLEPHASE_MIRROR" in line and rollout.RELEASE == "release"
+
+
+class TestEvaluate:
+    @pytest.fixture(autouse=True)
+    def data(self, monkeypatch) -> None:
+        """Data of the four styles, which differ by their names only."""
+        styles = [tiny.style_vectors("Plain") for _ in tiny.STYLES]
+        named = [type(s)(name, *list(vars(s).values())[1:]) for name, s in zip(tiny.STYLES, styles, strict=True)]
+        store = tiny.Store(*named)
+
+        def catalogue(name: str, styles: Sequence[str]):
+            assert name == "made" and tuple(styles) == tiny.STYLES
+            return store.catalogue
+
+        def open_store(catalogue, phases: str):
+            assert catalogue is store.catalogue and phases == "wide"
+            return store
+
+        monkeypatch.setattr(evaluate, "load_catalogue", catalogue)
+        monkeypatch.setattr(evaluate, "VectorStore", open_store)
+
+    def test_it_prints_errors_and_rollouts(self, call, weights):
+        found = told(call("evaluate", "--weights", weights, "--data", "made", "--seconds", "3.3", "--json"))
+        assert found["weights"] == str(weights) and found["data"] == "made" and found["about"]["phases"] == "wide"
+        assert set(found["errors"]) == {walk["style"] for walk in found["rollouts"]["walks"]} == set(tiny.STYLES)
+        assert set(found["errors"]["Old"]) >= {"network", "hold", "mean", "ridge", "untrained", "wrong code"}
+        assert all(error["bll"] >= 0 for error in found["groups"]["all"].values())
+
+    def test_the_text_is_a_table(self, call, weights):
+        status, out, _ = call("evaluate", "--weights", weights, "--data", "made", "--seconds", "0")
+        assert status == 0 and "rollout" not in out
+        assert [line.split()[0] for line in out.splitlines()[2:]][:3] == ["network", "dropout", "wrong"]
+
+    @pytest.mark.parametrize("seconds", ["1", "-3", "nan", "inf"])
+    def test_rollouts_of_no_sensible_length_are_one_line(self, call, weights, seconds):
+        line = refused(call("evaluate", "--weights", weights, "--data", "made", "--seconds", seconds))
+        assert line.startswith("rollouts of ") and "expected 0 for none" in line
+
+    def test_missing_weights_are_named(self, call, tmp_path):
+        line = refused(call("evaluate", "--weights", tmp_path, "--data", "made"))
+        assert line == f"{tmp_path / 'model.json'}: no such file"
+
+    def test_weights_that_do_not_say_their_phases_are_named(self, call, tmp_path):
+        save_bundle(tmp_path, tiny.bundle())
+        described = read_json(tmp_path / "model.json")
+        del described["about"]["phases"]
+        write_json(tmp_path / "model.json", described)
+        line = refused(call("evaluate", "--weights", tmp_path, "--data", "made"))
+        assert line == f"{tmp_path}: the weights do not say which phases they were trained with"
+
+
+def test_evaluate_refuses_data_without_the_weights_styles(call, weights, tmp_path):
+    (tmp_path / "own/Old").mkdir(parents=True)
+    (tmp_path / "own/Old/walk.bvh").write_text("HIERARCHY")
+    line = refused(call("evaluate", "--weights", weights, "--data", f"own:{tmp_path / 'own'}"))
+    assert line == "no style 'Plain'; there are Old"
+    assert refused(call("evaluate", "--weights", weights, "--data", "nowhere")).startswith("no data set 'nowhere'")
+
+
+class TestVectors:
+    @pytest.fixture
+    def own(self, tmp_path) -> str:
+        """A data set of two styles, one short file each."""
+        clip = tiny.take().clip
+        for style, start in (("Plain", 0), ("Again", 60)):
+            write_bvh(tmp_path / f"own/{style}/walk.bvh", clip.frames(start, start + 90))
+        return f"own:{tmp_path / 'own'}"
+
+    def test_they_are_computed_once_and_counted(self, call, own, cache):
+        found = told(call("vectors", "--data", own, "--json"))
+        assert found["rows"] == {"Again": 89, "Plain": 89} and Path(found["folder"]).is_relative_to(cache)
+        assert sorted(path.name for path in Path(found["folder"]).glob("*.npz")) == ["Again.npz", "Plain.npz"]
+
+    def test_some_styles_alone(self, call, own, cache):
+        status, out, _ = call("vectors", "--data", own, "--styles", "Again")
+        assert status == 0 and out.startswith("89 rows in ")
+
+    @pytest.mark.parametrize(
+        ("flags", "says"),
+        [
+            (("--styles", "Plane"), "no style 'Plane'; did you mean Plain?"),
+            (("--styles", ""), "no style ''; there are Again, Plain"),
+            (("--phases", "odd"), "odd"),
+        ],
+    )
+    def test_unknown_styles_and_phases_are_one_line(self, call, own, cache, flags, says):
+        assert says in refused(call("vectors", "--data", own, *flags))
+        assert not (cache / "vectors").exists()
+
+    def test_a_file_that_is_cut_off_is_named(self, call, own, cache, tmp_path):
+        path = tmp_path / "own/Again/walk.bvh"
+        path.write_text(path.read_text()[:-500])
+        assert refused(call("vectors", "--data", own)).startswith(f"{path}:")
