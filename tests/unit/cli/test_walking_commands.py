@@ -107,7 +107,7 @@ class TestRollout:
         """In degrees on the command line, in radians inside; at the calibrated gain."""
         plans = []
 
-        def note(bundle, code, start, frames, plan, **others):
+        def note(bundle, code, start, frames, plan, *others):
             plans.append(plan)
             raise KeyboardInterrupt
 
