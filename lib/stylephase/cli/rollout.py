@@ -1,5 +1,6 @@
 """Let a trained character walk, and write its motion as BVH, arrays or a movie."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -90,7 +91,8 @@ def _write(out: Path, clip: Clip, contacts: ndarray, label: str) -> None:
         return
     from stylephase.report.render import Motion, movie
 
-    movie(out, Motion(clip.skeleton, forward_kinematics(clip).positions, contacts, label=label), progress=True)
+    motion = Motion(clip.skeleton, forward_kinematics(clip).positions, contacts, label=label)
+    movie(out, motion, progress=sys.stderr.isatty())
 
 
 def _finite_seconds(run: Rollout) -> float:
