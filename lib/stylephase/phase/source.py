@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.signal import butter, filtfilt
+from scipy.signal import butter, sosfiltfilt
 
 # Butterworth low-pass, order and cut-off (Hz), of the release ([M22] 4.1.4 names the filter only).
 _ORDER, _CUTOFF = 2, 4.0
@@ -49,7 +49,8 @@ def low_pass(values: Float[ndarray, "frames *channels"], fps: float) -> Float[nd
     if fps <= 2 * _CUTOFF or len(values) < 4:
         return values
     padding = min(3 * (_ORDER + 1), len(values) - 1)
-    return filtfilt(*butter(_ORDER, _CUTOFF, fs=fps), values, axis=0, padtype="constant", padlen=padding)
+    sections = butter(_ORDER, _CUTOFF, fs=fps, output="sos")
+    return sosfiltfilt(sections, values, axis=0, padtype="constant", padlen=padding)
 
 
 def prepared(
