@@ -97,8 +97,8 @@ def test_several_bvh_files_in_one_npz_are_told_apart_by_their_stems(phases, walk
     second = tmp_path / "second.bvh"
     second.write_bytes(walking.read_bytes())
     assert phases(walking, second, "--out", tmp_path / "both.npz")[0] == 0
-    found = np.load(tmp_path / "both.npz")
-    assert set(found.files) == {f"{stem}/{name}" for stem in ("walk", "second") for name in SHAPES}
+    with np.load(tmp_path / "both.npz") as found:
+        assert set(found.files) == {f"{stem}/{name}" for stem in ("walk", "second") for name in SHAPES}
 
 
 def test_a_stricter_contact_rule_gives_fewer_contacts(phases, walking, tmp_path):
