@@ -192,9 +192,10 @@ Markdown(
 
 # %%
 slowest, fastest = judged.stop_range(results)
-dropout_cost = "dropout on the input costs accuracy and buys use of the style code; a matter of rate and steps"
+dropout_cost = "dropout costs accuracy and buys use of the style code; probably a matter of rates and steps"
 notes = {
     "ours-training-minutes": "one run on one core; two ran side by side, with other work, in 37 minutes",
+    "ours-training-seeds": "trained on phases of a coarser frequency search than is tested on: half a percent apart",
     "ours-onestep-hold-set2": dropout_cost,
     "ours-onestep-mean-set2": dropout_cost,
     "ours-rollout-style-all": "the styles missed are of set 1, half a minute of each; they come out too moderate",
