@@ -19,8 +19,9 @@ from stylephase.evaluation.motion import (
     heading_error,
     steps_of,
 )
-from stylephase.evaluation.style import StyleSpace, walking_gaits
+from stylephase.evaluation.style import StyleSpace
 from stylephase.features.body import Body
+from stylephase.features.clips import walking_gaits
 from stylephase.features.layout import FPS, INPUT_SAMPLES
 from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import Bundle

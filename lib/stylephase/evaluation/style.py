@@ -8,18 +8,12 @@ from jaxtyping import Float
 from numpy import ndarray
 from sklearn.covariance import ledoit_wolf
 
-from stylephase.features.clips import clip_rows
+from stylephase.features.clips import clip_rows, walking_gaits
 from stylephase.features.layout import Layout
 from stylephase.features.store import StyleVectors
 
-WALKS = ("walk", "FW")
 # A deviation or variance below this is none.
 _CONSTANT = 1e-6
-
-
-def walking_gaits(style: StyleVectors) -> tuple[str, ...] | None:
-    """The style's forward walks, or None (all gaits) where the data do not name one."""
-    return tuple(gait for gait in dict.fromkeys(style.gaits) if gait in WALKS) or None
 
 
 def statistics(poses: Float[ndarray, "frames pose"]) -> Float[ndarray, " statistics"]:

@@ -8,6 +8,14 @@ from stylephase.data.split import PARTS
 from stylephase.features.layout import CLIP_FRAMES, CLIP_STRIDE
 from stylephase.features.store import StyleVectors
 
+# Names of forward walks in the data sets.
+WALKS = ("walk", "FW")
+
+
+def walking_gaits(style: StyleVectors) -> tuple[str, ...] | None:
+    """The style's forward walks, or None (all gaits) where the data do not name one."""
+    return tuple(gait for gait in dict.fromkeys(style.gaits) if gait in WALKS) or None
+
 
 def clip_rows(
     style: StyleVectors, part: str, *, gaits: tuple[str, ...] | None = None, frames: int = CLIP_FRAMES

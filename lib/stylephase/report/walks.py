@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from stylephase.data.catalogue import cut_frames, load_clip, usable
-from stylephase.evaluation.style import WALKS
 from stylephase.features.body import Body
+from stylephase.features.clips import WALKS
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
 from stylephase.motion.clip import forward_kinematics

@@ -5,7 +5,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from stylephase.features.clips import clip_rows
+from stylephase.features.clips import clip_rows, walking_gaits
 from stylephase.features.store import StyleVectors
 from stylephase.models.generator import FilmGenerator
 from stylephase.training.sampler import Scaling
@@ -18,8 +18,7 @@ def clip_codes(
     generator: FilmGenerator, style: StyleVectors, scaling: Scaling, *, part: str = "train", most: int = CLIPS_PER_CODE
 ) -> Float[Tensor, "clips values"]:
     """Codes of clips of a style, spread evenly over those of a part; walking ones where the style has them."""
-    walks = tuple(gait for gait in style.gaits if gait in ("walk", "FW"))
-    rows = clip_rows(style, part, gaits=walks) if walks else clip_rows(style, part)
+    rows = clip_rows(style, part, gaits=walking_gaits(style))
     rows = rows if len(rows) else clip_rows(style, part)
     chosen = rows[np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).astype(int))] if len(rows) else rows
     poses = torch.from_numpy(style.x[chosen][:, :, scaling.layout.x_pose])
