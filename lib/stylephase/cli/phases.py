@@ -31,7 +31,13 @@ def phases(
     ],
     start: Annotated[int, typer.Option(min=0, help="First frame to read, in frames of the file.")] = 0,
     stop: Annotated[int | None, typer.Option(help="Frame to stop before; left out: the end.")] = None,
-    variant_name: Annotated[str, typer.Option("--variant", help="release, paper or wide")] = "release",
+    variant_name: Annotated[str, typer.Option("--variant", help="adaptive, release or paper")] = "adaptive",
+    sources: Annotated[
+        str,
+        typer.Option(
+            help="What feet are read from: hybrid (contacts where they have any), contact-based or contact-free."
+        ),
+    ] = "hybrid",
     effectors: Annotated[
         str | None, typer.Option(help="Joints of left hand, right hand, left foot and right foot, commas between.")
     ] = None,
@@ -49,11 +55,13 @@ def phases(
     names = None if effectors is None else [name.strip() for name in effectors.split(",")]
     stems = _stems(bvh)
     bar = tqdm(bvh, desc="phases", unit="file", disable=None if len(bvh) > 1 else True)
-    found = {stem: _read(path, (start, stop), names, rule, how) for stem, path in zip(stems, bar, strict=True)}
+    found = {stem: _read(path, (start, stop), names, rule, how, sources) for stem, path in zip(stems, bar, strict=True)}
     written = _write(out, found)
     rows = [_row(path, stem, file, found[stem]) for path, (stem, file) in zip(bvh, written.items(), strict=True)]
     text = "\n".join(f"{row['bvh']}: {row['frames']} frames at {row['fps']:g} fps in {row['out']}" for row in rows)
-    emit({"variant": variant_name, "contact": vars(rule), "files": rows}, as_json=as_json, text=text)
+    emit(
+        {"variant": variant_name, "sources": sources, "contact": vars(rule), "files": rows}, as_json=as_json, text=text
+    )
 
 
 def _rule(speed: float, height: float) -> ContactRule:
@@ -71,12 +79,17 @@ def _stems(files: list[Path]) -> list[str]:
 
 
 def _read(
-    path: Path, part: tuple[int, int | None], effectors: list[str] | None, rule: ContactRule, how: PhaseVariant
+    path: Path,
+    part: tuple[int, int | None],
+    effectors: list[str] | None,
+    rule: ContactRule,
+    how: PhaseVariant,
+    sources: str,
 ) -> TakePhases:
     """Phases of one file; every reason names the file."""
     clip, (start, stop) = read_bvh(path, effectors=effectors), part
     try:
-        return take_phases(clip.frames(start, len(clip) if stop is None else stop), rule, how)
+        return take_phases(clip.frames(start, len(clip) if stop is None else stop), rule, how, sources=sources)
     except InputError as error:
         raise InputError(error.reason, path) from error
 

@@ -13,7 +13,7 @@ from stylephase.features.store import VectorStore
 def vectors(
     data: Annotated[str, typer.Option(help="A data set's name, or own:FOLDER.")],
     styles: Annotated[str | None, typer.Option(help="Names of styles, with commas between; left out: all.")] = None,
-    phases: Annotated[str, typer.Option(help="Variant of the local phases.")] = "wide",
+    phases: Annotated[str, typer.Option(help="Variant of the local phases.")] = "adaptive",
     as_json: AsJson = False,
 ) -> None:
     """Compute the vectors of some styles, or of all; what is in the cache already is left as it is."""

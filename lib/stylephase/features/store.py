@@ -12,17 +12,18 @@ from numpy import ndarray
 import stylephase
 from stylephase.data.archive import cache_folder, fetch
 from stylephase.data.catalogue import Catalogue, cut_frames, load_clip, usable
-from stylephase.data.layouts import find_entries
-from stylephase.data.registry import OWN
+from stylephase.data.layouts import Entry, find_entries
+from stylephase.data.registry import OWN, Dataset
 from stylephase.data.split import PARTS, split
 from stylephase.errors import InputError
 from stylephase.features.body import Body, body_from_json, body_of
 from stylephase.features.layout import FPS
 from stylephase.features.vectors import vectors
 from stylephase.files import read_json, sha256, write_arrays, write_json
-from stylephase.motion.clip import Clip, Pose, forward_kinematics
-from stylephase.phase.local import hand_directions, variant
-from stylephase.phase.take import pose_phases
+from stylephase.motion.clip import forward_kinematics
+from stylephase.phase.local import PhaseVariant, variant
+from stylephase.phase.source import Movement, sourcing
+from stylephase.phase.take import TakePhases, movement_of, movement_phases
 
 # The split is drawn once for a data set; another seed would let a model see another's test frames.
 _SPLIT_SEED = 0
@@ -121,16 +122,14 @@ def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> 
     if not takes:
         raise InputError(f"style {style!r} has no take that is long enough to learn from")
     poses = [forward_kinematics(clip) for clip in takes]
-    directions = {
-        gait: hand_directions([pose for pose, e in zip(poses, entries, strict=True) if e.gait == gait], body.skeleton)
-        for gait in {entry.gait for entry in entries}
-    }
+    movements = [movement_of(pose, body.skeleton, FPS, catalogue.dataset.contact) for pose in poses]
+    found = _phases(catalogue.dataset, entries, movements, variant(phases))
     parts = _parts(split(entries, [len(clip) for clip in takes], seed=_SPLIT_SEED), [len(clip) for clip in takes])
     rows = [
-        _take_vectors(catalogue, clip, pose, directions[entry.gait], body, phases)
-        for clip, pose, entry in zip(takes, poses, entries, strict=True)
+        vectors(pose, body.skeleton, body.rest, FPS, take.local.vectors, take.contacts)
+        for pose, take in zip(poses, found, strict=True)
     ]
-    x, p, y = (np.concatenate(column).astype(np.float32) for column in zip(*rows, strict=True))
+    x, p, y = (np.concatenate([getattr(row, kind) for row in rows]).astype(np.float32) for kind in "xpy")
     return StyleVectors(
         style=style,
         symmetric=all(entry.symmetric for entry in entries),
@@ -143,11 +142,18 @@ def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> 
     )
 
 
-def _take_vectors(catalogue: Catalogue, clip: Clip, pose: Pose, directions: ndarray, body: Body, phases: str):
-    rule, how = catalogue.dataset.contact, variant(phases)
-    found = pose_phases(pose, body.skeleton, clip.fps, rule, directions, how)
-    made = vectors(pose, body.skeleton, body.rest, clip.fps, found.local.vectors, found.contacts)
-    return made.x, made.p, made.y
+def _phases(dataset: Dataset, entries: list[Entry], movements: list[Movement], how: PhaseVariant) -> list[TakePhases]:
+    """Phases of the takes of one style, read from source functions chosen for each gait."""
+    chosen = {
+        gait: sourcing(
+            [movement for movement, entry in zip(movements, entries, strict=True) if entry.gait == gait],
+            contact_free=dataset.contact_free_feet(entries[0].style, gait),
+        )
+        for gait in {entry.gait for entry in entries}
+    }
+    return [
+        movement_phases(movement, chosen[entry.gait], how) for movement, entry in zip(movements, entries, strict=True)
+    ]
 
 
 def _parts(segments, lengths: list[int]) -> list[Int[ndarray, " rows"]]:

@@ -16,7 +16,10 @@ _VOTE_SECONDS = 5 / 60
 
 @dataclass(frozen=True)
 class ContactRule:
-    """A foot is in contact while its sensor is slower than `speed` (m/s) and less than `height` (m) above the floor."""
+    """A foot is in contact while its sensor is slower than `speed` (m/s) and less than `height` (m) above the floor.
+
+    The defaults are the paper's ([M22] 4.1.2).
+    """
 
     speed: float = 0.15
     height: float = 0.01
@@ -28,9 +31,11 @@ def foot_contacts(
     """Contacts of foot sensors given in the world (m), in the same order.
 
     Differs: [M22] measures height from y = 0; here from the take's own floor, since sensors rest at another height
-    on every skeleton.
+    on every skeleton. And a sensor must be slow on the way to its frame and on the way from it, so that a contact
+    begins and ends alike; the release looks only back, and ends each contact late.
     """
-    speed = np.linalg.norm(velocities(sensors, fps), axis=-1)
+    towards = np.linalg.norm(velocities(sensors, fps), axis=-1)
+    speed = np.maximum(towards, np.concatenate([towards[1:], towards[-1:]]))
     floor = np.percentile(sensors[..., 1].min(axis=1), _FLOOR_PERCENTILE)
     raw = (speed < rule.speed) & (sensors[..., 1] < floor + rule.height)
     return majority(raw, round(_VOTE_SECONDS * fps))

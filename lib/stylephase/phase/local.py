@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.errors import InputError
-from stylephase.motion.clip import Pose, velocities
-from stylephase.motion.root import hips_frame
-from stylephase.motion.skeleton import Skeleton
 from stylephase.phase.circular import wrap
 from stylephase.phase.sinusoid import fit_sinusoids
-from stylephase.phase.source import contact_source, low_pass, prepared, principal_direction, principal_source
+from stylephase.phase.source import low_pass, prepared
+from stylephase.phase.tempo import tempo_of
 
 
 @dataclass(frozen=True)
@@ -20,8 +18,9 @@ class PhaseVariant:
     """How a phase is read from a source function.
 
     `normalise_seconds` is the window of the z-score, `fit_seconds` that of the sinusoid, `rounds` how often a fit is
-    repeated with its neighbours' values, `ridge` the weight of the squared amplitude in the fit, `peak_speed` whether
-    the magnitude takes the largest speed within one period (release) or the mean over one second (paper).
+    repeated with its neighbours' values, `ridge` the weight of the squared amplitude in the fit, for 60 frames a
+    second; `peak_speed` says whether the magnitude takes the largest speed within one period (release) or the mean
+    over one second (paper). With `own_tempo` each source is first played so that its cycles last one second.
     """
 
     normalise_seconds: float = 1.0
@@ -29,14 +28,17 @@ class PhaseVariant:
     rounds: int = 1
     ridge: float = 0.0
     peak_speed: bool = True
+    own_tempo: bool = False
 
 
-# `release` is what the authors ran, up to the optimiser; `paper` what they printed; `wide` normalises over two
-# seconds, since a plateau longer than the window breaks the phase of slow styles (cycles of over 65 frames).
 VARIANTS = {
-    "release": PhaseVariant(),
+    # Ours: windows of one cycle, however long that is. A window of one second breaks the phase of cycles of more than
+    # about 65 frames: a foot's plateau then fills it.
+    "adaptive": PhaseVariant(fit_seconds=1.0, own_tempo=True),
+    # What the authors ran. The ridge stands for their unfinished search, whose amplitudes are below the optimum's.
+    "release": PhaseVariant(ridge=2.0),
+    # What they printed.
     "paper": PhaseVariant(fit_seconds=1.0, rounds=0, peak_speed=False),
-    "wide": PhaseVariant(normalise_seconds=2.0),
 }
 
 
@@ -51,12 +53,14 @@ def variant(name: str) -> PhaseVariant:
 class LocalPhases:
     """Phases of LeftHand, RightHand, LeftFoot, RightFoot.
 
-    `phase` in cycles [0, 1), `magnitude` in m/s (amplitude of the normalised source times speed), `frequency` in Hz.
+    `phase` in cycles [0, 1), `magnitude` in m/s (amplitude of the normalised source times speed), `frequency` in Hz,
+    `source` the normalised and smoothed source functions (z-scores).
     """
 
     phase: Float[ndarray, "frames 4"]
     magnitude: Float[ndarray, "frames 4"]
     frequency: Float[ndarray, "frames 4"]
+    source: Float[ndarray, "frames 4"]
 
     @property
     def vectors(self) -> Float[ndarray, "frames 8"]:
@@ -70,50 +74,31 @@ class LocalPhases:
         return np.stack([np.sin(angles), np.cos(angles)], axis=-1)
 
 
-def hand_directions(poses: list[Pose], skeleton: Skeleton) -> Float[ndarray, "2 3"]:
-    """Principal directions of the left and right hand over all takes of one style and gait ([M22] 4.1.3)."""
-    places = [hips_frame(pose, skeleton, skeleton.roles.hands) for pose in poses]
-    centred = np.concatenate([place - place.mean(axis=0) for place in places])
-    return np.stack([principal_direction(centred[:, hand]) for hand in range(2)])
-
-
-def source_functions(
-    pose: Pose,
-    skeleton: Skeleton,
-    fps: float,
-    contacts: Bool[ndarray, "frames 2"],
-    directions: Float[ndarray, "2 3"],
-    how: PhaseVariant,
-) -> Float[ndarray, "frames 4"]:
-    """Prepared source functions: feet from their contacts (given right, left), hands from their principal direction.
-
-    Differs: the release's contact source lags by one frame, ours does not.
-    """
-    places = hips_frame(pose, skeleton, skeleton.roles.hands)
-    hands = [principal_source(places[:, hand], directions[hand]) for hand in range(2)]
-    feet = [contact_source(contacts[:, foot]) for foot in (1, 0)]
-    return prepared(np.stack([*hands, *feet], axis=1), fps, how.normalise_seconds)
-
-
-def effector_speeds(pose: Pose, skeleton: Skeleton, fps: float) -> Float[ndarray, "frames 4"]:
-    """Speeds (m/s) of the end effectors in the hips' frame."""
-    return np.linalg.norm(velocities(hips_frame(pose, skeleton, skeleton.roles.effectors), fps), axis=-1)
-
-
-def phases_of_sources(
+def local_phases(
     sources: Float[ndarray, "frames 4"], speeds: Float[ndarray, "frames 4"], fps: float, how: PhaseVariant
 ) -> LocalPhases:
-    """Phases of prepared source functions, with magnitudes from the speeds (m/s) in the hips' frame."""
-    fits = [
-        fit_sinusoids(column, fps, window_seconds=how.fit_seconds, rounds=how.rounds, ridge=how.ridge)
-        for column in sources.T
-    ]
-    phase, frequency = np.stack([f.phase for f in fits], axis=1), np.stack([f.frequency for f in fits], axis=1)
-    amplitude = np.stack([f.amplitude for f in fits], axis=1)
+    """Phases of source functions, with magnitudes from the effectors' speeds (m/s) in the hips' frame."""
+    rows = [_reading_at_own_tempo(s, fps, how) if how.own_tempo else _reading(s, fps, how) for s in sources.T]
+    phase, frequency, amplitude, source = (np.stack(column, axis=1) for column in zip(*rows, strict=True))
     speed = np.stack([_speed(s, f, fps, how) for s, f in zip(speeds.T, frequency.T, strict=True)], axis=1)
-    angles = 2 * np.pi * phase
-    smooth = np.arctan2(low_pass(np.sin(angles), fps), low_pass(np.cos(angles), fps)) / (2 * np.pi)
-    return LocalPhases(wrap(smooth), np.maximum(low_pass(amplitude * speed, fps), 0.0), frequency)
+    return LocalPhases(wrap(phase), np.maximum(low_pass(amplitude * speed, fps), 0.0), frequency, source)
+
+
+def _reading(source: ndarray, fps: float, how: PhaseVariant) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Running phase (cycles), frequency (Hz), amplitude, and the prepared source function ([M22] 4.1.4)."""
+    ready = prepared(source[:, None], fps, how.normalise_seconds)[:, 0]
+    fit = fit_sinusoids(ready, fps, window_seconds=how.fit_seconds, rounds=how.rounds, ridge=how.ridge * fps / 60)
+    angles = 2 * np.pi * fit.phase
+    smooth = np.arctan2(low_pass(np.sin(angles), fps), low_pass(np.cos(angles), fps))
+    return np.unwrap(smooth) / (2 * np.pi), fit.frequency, fit.amplitude, ready
+
+
+def _reading_at_own_tempo(source: ndarray, fps: float, how: PhaseVariant) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """The same of the source function played so that its cycles last a second, brought back to the frames."""
+    tempo = tempo_of(source, fps)
+    played = _reading(tempo.played(source), tempo.even[1], how)
+    phase, frequency, amplitude, ready = (tempo.restored(part) for part in played)
+    return phase, frequency * tempo.rate, amplitude, ready
 
 
 def _speed(speed: ndarray, frequency: ndarray, fps: float, how: PhaseVariant) -> ndarray:

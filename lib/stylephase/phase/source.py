@@ -1,14 +1,82 @@
 """Source functions: the one-dimensional signals that a phase is read from ([M22] 4.1.2 to 4.1.4)."""
 
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.signal import butter, sosfiltfilt
 
+from stylephase.errors import InputError, hint
+from stylephase.motion.skeleton import EFFECTOR_NAMES
+
 # Butterworth low-pass, order and cut-off (Hz), of the release ([M22] 4.1.4 names the filter only).
 _ORDER, _CUTOFF = 2, 4.0
 # A source this close to zero is zero ([M22] release).
 _SILENT = 1e-3
+# A foot that is in contact for less, or for more, of the time than this has no contacts to read a phase from.
+_TOUCHES = (0.02, 0.98)
+# Ways to choose source functions: feet by their contacts where they have them; by contacts in any case; never.
+SOURCES = ("hybrid", "contact-based", "contact-free")
+
+
+@dataclass(frozen=True)
+class Movement:
+    """What is looked at of a take.
+
+    `places` (m) are those of LeftHand, RightHand, LeftFoot, RightFoot in the full frame of the hips, axes left, up,
+    forward; `contacts` those of the right and left foot.
+    """
+
+    places: Float[ndarray, "frames 4 3"]
+    contacts: Bool[ndarray, "frames 2"]
+    fps: float
+
+
+@dataclass(frozen=True)
+class Sourcing:
+    """What the phases of one style and gait are read from ([M22] 4.1.1: a hybrid approach).
+
+    `directions` are the principal directions of LeftHand, RightHand, LeftFoot, RightFoot in the hips' frame (left,
+    up, forward); `by_contact` says whether the left and the right foot are read from their contacts instead.
+    """
+
+    directions: Float[ndarray, "4 3"]
+    by_contact: tuple[bool, bool] = (True, True)
+
+    def functions(self, movement: Movement) -> Float[ndarray, "frames 4"]:
+        """Source functions of a take, not yet prepared.
+
+        Differs: the release's contact source lags by one frame, ours does not.
+        """
+        columns = [principal_source(movement.places[:, k], self.directions[k]) for k in range(4)]
+        for foot, by_contact in enumerate(self.by_contact):
+            if by_contact:
+                columns[2 + foot] = contact_source(movement.contacts[:, 1 - foot])
+        return np.stack(columns, axis=1)
+
+
+def sourcing(takes: Sequence[Movement], *, sources: str = "hybrid", contact_free: Collection[str] = ()) -> Sourcing:
+    """Choose what the takes of one style and gait are read from, all of them alike ([M22] 4.1.3).
+
+    A hybrid takes contacts for feet that touch the floor and leave it, unless `contact_free` names them. Raises
+    InputError for an unknown way of choosing, or an effector of another name.
+    """
+    if sources not in SOURCES:
+        raise InputError(f"no source function {sources!r}; there are {', '.join(SOURCES)}")
+    for name in contact_free:
+        if name not in EFFECTOR_NAMES[2:]:
+            raise InputError(f"no foot {name!r}; {hint(name, EFFECTOR_NAMES[2:])}")
+    centred = np.concatenate([take.places - take.places.mean(axis=0) for take in takes])
+    directions = np.stack([principal_direction(centred[:, k]) for k in range(4)])
+    least, most = _TOUCHES
+    share = np.concatenate([take.contacts for take in takes]).mean(axis=0)[::-1]
+    touching = [
+        bool(least <= s <= most) and n not in contact_free for s, n in zip(share, EFFECTOR_NAMES[2:], strict=True)
+    ]
+    chosen = {"hybrid": touching, "contact-based": [True, True], "contact-free": [False, False]}[sources]
+    return Sourcing(directions, (chosen[0], chosen[1]))
 
 
 def contact_source(contacts: Bool[ndarray, " frames"]) -> Float[ndarray, " frames"]:

@@ -1,5 +1,6 @@
 """From a take to its phases: contacts, source functions, local phases and the global phase in one call."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,33 +8,26 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from stylephase.motion.clip import Clip, Pose, forward_kinematics
+from stylephase.motion.clip import Clip, Pose, forward_kinematics, velocities
 from stylephase.motion.contacts import ContactRule, foot_contacts
+from stylephase.motion.root import hips_frame
 from stylephase.motion.skeleton import Skeleton
 from stylephase.phase.global_phase import global_phase
-from stylephase.phase.local import (
-    LocalPhases,
-    PhaseVariant,
-    effector_speeds,
-    hand_directions,
-    phases_of_sources,
-    source_functions,
-)
+from stylephase.phase.local import LocalPhases, PhaseVariant, local_phases
+from stylephase.phase.source import Movement, Sourcing, sourcing
 
 
 @dataclass(frozen=True)
 class TakePhases:
     """Phases of one take, frame by frame at `fps`.
 
-    `local` are those of LeftHand, RightHand, LeftFoot, RightFoot, `sources` the functions they were read from
-    (z-scores), `contacts` those of the right and left foot, `directions` the principal directions of the left and
-    right hand in the hips' frame (left, up, forward).
+    `local` are those of LeftHand, RightHand, LeftFoot, RightFoot, `contacts` those of the right and left foot,
+    `sourcing` says what the phases were read from.
     """
 
     local: LocalPhases
-    sources: Float[ndarray, "frames 4"]
     contacts: Bool[ndarray, "frames 2"]
-    directions: Float[ndarray, "2 3"]
+    sourcing: Sourcing
     fps: float
 
     @cached_property
@@ -42,7 +36,7 @@ class TakePhases:
         return global_phase(self.contacts, self.fps)
 
     def arrays(self) -> dict[str, ndarray]:
-        """What a file of phases holds: all but sources and directions, as plain arrays by name."""
+        """What a file of phases holds, as plain arrays by name."""
         return {
             "vectors": self.local.vectors,
             "phase": self.local.phase,
@@ -54,25 +48,30 @@ class TakePhases:
         }
 
 
-def take_phases(clip: Clip, rule: ContactRule, how: PhaseVariant) -> TakePhases:
-    """Phases of a clip at its own frame rate, with the principal directions of the clip alone ([M22] 4.1).
+def take_phases(
+    clip: Clip,
+    rule: ContactRule,
+    how: PhaseVariant,
+    *,
+    sources: str = "hybrid",
+    contact_free: Collection[str] = (),
+) -> TakePhases:
+    """Phases of a clip at its own frame rate, with source functions chosen for the clip alone ([M22] 4.1).
 
     Every result is finite, whatever moves. Raises InputError where the skeleton's hands, feet or hips cannot be told.
     """
-    pose = forward_kinematics(clip)
-    return pose_phases(pose, clip.skeleton, clip.fps, rule, hand_directions([pose], clip.skeleton), how)
+    movement = movement_of(forward_kinematics(clip), clip.skeleton, clip.fps, rule)
+    return movement_phases(movement, sourcing([movement], sources=sources, contact_free=contact_free), how)
 
 
-def pose_phases(
-    pose: Pose,
-    skeleton: Skeleton,
-    fps: float,
-    rule: ContactRule,
-    directions: Float[ndarray, "2 3"],
-    how: PhaseVariant,
-) -> TakePhases:
-    """Phases of a take of which the poses are known, with given principal directions of the left and right hand."""
+def movement_of(pose: Pose, skeleton: Skeleton, fps: float, rule: ContactRule) -> Movement:
+    """The movement of a take of which the poses are known."""
     contacts = foot_contacts(pose.positions[:, list(skeleton.roles.toe_sensors[::-1])], fps, rule)
-    sources = source_functions(pose, skeleton, fps, contacts, directions, how)
-    local = phases_of_sources(sources, effector_speeds(pose, skeleton, fps), fps, how)
-    return TakePhases(local, sources, contacts, directions, fps)
+    return Movement(hips_frame(pose, skeleton, skeleton.roles.effectors), contacts, fps)
+
+
+def movement_phases(movement: Movement, chosen: Sourcing, how: PhaseVariant) -> TakePhases:
+    """Phases of a movement, read from chosen source functions."""
+    speeds = np.linalg.norm(velocities(movement.places, movement.fps), axis=-1)
+    local = local_phases(chosen.functions(movement), speeds, movement.fps, how)
+    return TakePhases(local, movement.contacts, chosen, movement.fps)

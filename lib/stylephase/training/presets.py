@@ -29,7 +29,7 @@ class Preset:
     decay_from: float = 0.6
     decay_to: float = 0.03
     bone_weight: float = 1.0
-    phases: str = "wide"
+    phases: str = "adaptive"
     mixed: bool = True
     log_every: int = 400
     save_every: int = 400
