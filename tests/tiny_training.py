@@ -51,8 +51,8 @@ class TinyStore(VectorStore):
         entries = tuple(
             Entry(Path(f"{style}_{gait}.bvh"), style, gait) for style in styles or ROWS for gait in ("FR", "FW")
         )
-        self.catalogue, self.phases, self.validation = Catalogue(dataset, entries), "wide", validation
-        self.folder = Path(f"tiny-wide-{version}")
+        self.catalogue, self.phases, self.validation = Catalogue(dataset, entries), "adaptive", validation
+        self.folder = Path(f"tiny-adaptive-{version}")
 
     @property
     def body(self) -> Body:

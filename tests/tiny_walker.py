@@ -79,7 +79,7 @@ def bundle(*styles: str, network: torch.nn.Module | None = None) -> Bundle:
         codes = {style: torch.randn(4 * SMALL.units) for style in styles or STYLES}
     if network is not None:
         whole.synthesis = network
-    about = {"data": "made", "phases": "wide", "licence": "none"}
+    about = {"data": "made", "phases": "adaptive", "licence": "none"}
     return Bundle("lpn-film", whole, SMALL, BODY, statistics(), codes, about)
 
 

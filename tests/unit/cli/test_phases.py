@@ -75,13 +75,13 @@ def test_a_file_holds_the_arrays_of_the_contract(phases, walking, out):
         assert np.allclose(pairs[..., 1], found["magnitude"] * np.cos(angles))
         assert (found["global_phase"] < 2 * np.pi).all()
     answer = json.loads(printed.splitlines()[-1])
-    assert answer["variant"] == "release"
+    assert answer["variant"] == "adaptive"
     (row,) = answer["files"]
     assert (row["bvh"], row["out"], row["frames"], row["fps"]) == (str(walking), str(out), 240, 60)
 
 
 def test_start_and_stop_count_frames_of_the_file(phases, walking, out):
-    assert phases(walking, "--out", out, "--start", "30", "--stop", "150", "--variant", "wide")[0] == 0
+    assert phases(walking, "--out", out, "--start", "30", "--stop", "150", "--variant", "adaptive")[0] == 0
     assert np.load(out)["phase"].shape == (120, 4)
 
 
@@ -131,7 +131,7 @@ def test_effectors_can_be_named_where_the_file_calls_them_otherwise(phases, walk
         (("--start", "240"), "walk.bvh: frames 240 to 240 do not lie in 0 to 240"),
         (("--stop", "999"), "walk.bvh: frames 0 to 999 do not lie in 0 to 240"),
         (("--start", "-1"), "Invalid value for '--start'"),
-        (("--variant", "papre"), "no phase variant 'papre'; there are release, paper, wide"),
+        (("--variant", "papre"), "no phase variant 'papre'; there are adaptive, release, paper"),
         (("--effectors", "LeftWrst,RightWrist,LeftToe,RightToe"), "no joint 'LeftWrst'; did you mean LeftWrist"),
         (("--effectors", "LeftWrist,RightWrist,LeftToe"), "expected four different joints"),
         (("--effectors", "LeftWrist,LeftWrist,LeftToe,RightToe"), "expected four different joints"),

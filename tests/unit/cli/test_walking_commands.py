@@ -215,7 +215,7 @@ class TestEvaluate:
             return store.catalogue
 
         def open_store(catalogue, phases: str):
-            assert catalogue is store.catalogue and phases == "wide"
+            assert catalogue is store.catalogue and phases == "adaptive"
             return store
 
         monkeypatch.setattr(evaluate, "load_catalogue", catalogue)
@@ -223,7 +223,7 @@ class TestEvaluate:
 
     def test_it_prints_errors_and_rollouts(self, call, weights):
         found = told(call("evaluate", "--weights", weights, "--data", "made", "--seconds", "3.3", "--json"))
-        assert found["weights"] == str(weights) and found["data"] == "made" and found["about"]["phases"] == "wide"
+        assert found["weights"] == str(weights) and found["data"] == "made" and found["about"]["phases"] == "adaptive"
         assert set(found["errors"]) == {walk["style"] for walk in found["rollouts"]["walks"]} == set(tiny.STYLES)
         assert set(found["errors"]["Old"]) >= {"network", "hold", "mean", "ridge", "untrained", "wrong code"}
         assert all(error["bll"] >= 0 for error in found["groups"]["all"].values())

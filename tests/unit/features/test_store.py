@@ -41,7 +41,7 @@ def filled(folder, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STYLEPHASE_CACHE", str(path))
-        opened = VectorStore(load_catalogue(f"own:{folder}"), "wide")
+        opened = VectorStore(load_catalogue(f"own:{folder}"), "adaptive")
         for style in ("plain", "limp"):
             opened.load(style)
     return path
@@ -50,7 +50,7 @@ def filled(folder, tmp_path_factory) -> Path:
 @pytest.fixture
 def store(folder, filled, monkeypatch) -> VectorStore:
     monkeypatch.setenv("STYLEPHASE_CACHE", str(filled))
-    return VectorStore(load_catalogue(f"own:{folder}"), "wide")
+    return VectorStore(load_catalogue(f"own:{folder}"), "adaptive")
 
 
 @pytest.fixture
@@ -120,7 +120,7 @@ def test_an_unknown_style_is_refused(store):
 def test_the_body_is_that_of_the_whole_set_whichever_styles_are_asked_for(folder, store, cache):
     """Where it is a mean pose, it would else depend on which command came first."""
     assert not stands_at_zero(store.body.skeleton)
-    one = VectorStore(load_catalogue(f"own:{folder}", ["limp"]), "wide")
+    one = VectorStore(load_catalogue(f"own:{folder}", ["limp"]), "adaptive")
     assert one.folder.name == store.folder.name and one.catalogue.styles == ("limp",)
     np.testing.assert_array_equal(one.body.rest, store.body.rest)
     only_limp = body_of(load_catalogue(f"own:{folder}", ["limp"]))
@@ -158,7 +158,7 @@ def make_folder(tmp_path, upright):
 
 
 def test_styles_whose_names_differ_in_signs_only_have_files_of_their_own(make_folder, cache):
-    store = VectorStore(load_catalogue(f"own:{make_folder({'a b': 0, 'a_b': 1})}"), "wide")
+    store = VectorStore(load_catalogue(f"own:{make_folder({'a b': 0, 'a_b': 1})}"), "adaptive")
     assert store.path("a b") != store.path("a_b")
     assert np.abs(store.load("a b").x - store.load("a_b").x).max() > 0.01
 
@@ -167,7 +167,7 @@ def test_the_cache_is_another_when_files_or_their_styles_change(make_folder, cac
     folder = make_folder({"old": 0, "proud": 1})
 
     def place() -> str:
-        return VectorStore(load_catalogue(f"own:{folder}"), "wide").folder.name
+        return VectorStore(load_catalogue(f"own:{folder}"), "adaptive").folder.name
 
     first = place()
     assert VectorStore(load_catalogue(f"own:{folder}"), "release").folder.name != first

@@ -11,16 +11,15 @@ from scipy.spatial.transform import Rotation
 from stylephase.data.registry import MIDDLE_CONTACT, dataset
 from stylephase.motion.bvh import read_bvh
 from stylephase.motion.clip import Clip, resample
-from stylephase.motion.contacts import ContactRule
 from stylephase.motion.synthetic import STYLES, Truth, find_style, steady, walk
 from stylephase.phase.circular import distance
 from stylephase.phase.global_phase import touchdowns
 from stylephase.phase.local import variant
 from stylephase.phase.take import TakePhases, take_phases
 
-RULE = ContactRule(speed=0.15, height=0.02)
-# Cycles of 36 to 78 frames with both feet on the floor, as most walking has.
-USUAL = ("Plain", "ChestOut", "QuickShuffle", "GlancingBack", "OffbeatArms", "PocketHands", "GiantStrides", "LowCrouch")
+WALKER = dataset("synthetic")
+RULE = WALKER.contact
+NAMES = [style.name for style in STYLES]
 STEADY = slice(60, -60)
 
 
@@ -32,41 +31,42 @@ def walked(name: str) -> tuple[Clip, Truth]:
 
 
 @cache
-def found(name: str, variant_name: str = "wide") -> TakePhases:
-    return take_phases(walked(name)[0], RULE, variant(variant_name))
+def found(name: str, variant_name: str = "adaptive") -> TakePhases:
+    return take_phases(walked(name)[0], RULE, variant(variant_name), contact_free=WALKER.contact_free_feet(name, "FW"))
 
 
-def errors(name: str, variant_name: str = "wide") -> np.ndarray:
+def errors(name: str, variant_name: str = "adaptive") -> np.ndarray:
     """Circular errors (cycles) of the four effectors."""
     return distance(found(name, variant_name).local.phase, walked(name)[1].phase)[STEADY]
 
 
-def grown(contact: np.ndarray) -> np.ndarray:
-    """Contacts with one frame more on either side."""
-    return contact | np.roll(contact, 1, axis=0) | np.roll(contact, -1, axis=0)
-
-
-@pytest.mark.parametrize("name", USUAL)
+@pytest.mark.parametrize("name", NAMES)
 def test_feet_have_the_true_phase(name):
-    assert np.median(errors(name)[:, 2:]) <= 0.02
-    assert np.percentile(errors(name)[:, 2:], 90) <= 0.06
+    """Cycles of 36 to 130 frames; the raised foot of the hopper is read from its movement."""
+    assert np.median(errors(name)[:, 2:], axis=0).max() <= 0.01
+    assert np.percentile(errors(name)[:, 2:], 90) <= 0.02
 
 
-@pytest.mark.parametrize("name", [*USUAL, "StoopedOver", "KneesUp", "HopOnRight"])
+@pytest.mark.parametrize("name", NAMES)
 def test_hands_have_the_true_phase(name):
-    assert np.median(errors(name)[:, :2], axis=0).max() <= 0.02
+    """The sleepwalker's arms hardly swing: what little they do is led by the trunk."""
+    assert np.median(errors(name)[:, :2], axis=0).max() <= (0.025 if name == "Sleepwalk" else 0.02)
 
 
-@pytest.mark.parametrize("name", [style.name for style in STYLES if not style.drag])
-def test_contacts_are_the_true_ones_up_to_a_frame(name):
-    """F1 of 0.98, where a frame within one frame of a true contact, or of a found one, is right.
+@pytest.mark.parametrize("name", ["Plain", "StoopedOver", "OffbeatArms", "QuickShuffle"])
+def test_phases_follow_a_change_of_speed(name):
+    """A take with speeds from 85 to 120 % and curves to both sides."""
+    clip, truth = walk(find_style(name), "FW", seconds=12.0)
+    own = take_phases(clip, RULE, variant("adaptive"))
+    off = distance(own.local.phase, truth.phase)[slice(truth.cut[0] + 30, truth.cut[1] - 30)]
+    assert np.median(off, axis=0).max() <= 0.02 and np.percentile(off, 90) <= 0.05
 
-    The toes of the slow styles are slower than the rule's speed for longer before they rest.
-    """
-    true, own = walked(name)[1].contacts, found(name).contacts
-    precision, recall = (own & grown(true)).sum() / own.sum(), (true & grown(own)).sum() / true.sum()
-    slow = find_style(name).cycle > 1.2
-    assert 2 * precision * recall / (precision + recall) >= (0.96 if slow else 0.98)
+
+def test_contacts_are_the_true_ones():
+    """F1 over all styles, frame by frame: the toes rest exactly, and the rule of the walker is strict."""
+    true = np.concatenate([walked(name)[1].contacts for name in NAMES])
+    own = np.concatenate([found(name).contacts for name in NAMES])
+    assert 2 * (own & true).sum() / (own.sum() + true.sum()) >= 0.98
 
 
 def test_arms_with_a_period_of_their_own_keep_it():
@@ -81,16 +81,37 @@ def test_hands_that_hardly_move_have_a_small_magnitude():
     assert (quiet[:2] < 0.15 * plain[:2]).all() and (quiet[2:] > 0.7 * plain[2:]).all()
 
 
-def test_a_foot_without_contacts_is_silent_and_the_other_keeps_its_phase():
-    hop = found("HopOnRight").local
-    assert (hop.magnitude[:, 2] == 0).all()
-    assert np.median(errors("HopOnRight")[:, 3]) <= 0.02
+def test_a_foot_that_never_touches_the_floor_is_read_from_its_movement():
+    """Also where nobody has marked it: a hybrid takes contacts only from feet that have some."""
+    clip, _ = walked("HopOnRight")
+    by_itself = take_phases(clip, RULE, variant("adaptive"))
+    assert by_itself.sourcing.by_contact == (False, True) == found("HopOnRight").sourcing.by_contact
+    forced = take_phases(clip, RULE, variant("adaptive"), sources="contact-based")
+    assert forced.sourcing.by_contact == (True, True) and (forced.local.magnitude[:, 2] == 0).all()
+    assert np.median(by_itself.local.magnitude[:, 2]) > 0.3
 
 
-def test_a_window_of_two_seconds_mends_the_phase_of_slow_styles():
+def test_without_contacts_feet_have_the_same_cycle():
+    """Read from movement, a foot's phase is shifted against that from contacts, by the same amount throughout."""
+    free = take_phases(walked("Plain")[0], RULE, variant("adaptive"), sources="contact-free")
+    shift = 2 * np.pi * (free.local.phase - found("Plain").local.phase)[STEADY, 2:]
+    assert free.sourcing.by_contact == (False, False)
+    assert (np.abs(np.exp(1j * shift).mean(axis=0)) > 0.98).all()
+
+
+def test_a_window_of_one_cycle_mends_the_phase_of_slow_styles():
     """Plateaus of a second and more look flat in a window of one second."""
-    share = {name: (errors("StoopedOver", name)[:, 2:] > 0.15).mean() for name in ("release", "wide")}
-    assert share["release"] > 0.2 > 0.02 > share["wide"]
+    for name in ("StoopedOver", "SlowProcession"):
+        share = {how: (errors(name, how)[:, 2:] > 0.15).mean() for how in ("release", "adaptive")}
+        assert share["release"] > 0.2 and share["adaptive"] == 0
+
+
+def test_magnitudes_do_not_depend_on_the_length_of_the_cycle_but_through_speed():
+    """The same walk at half the speed has half the magnitude."""
+    clip, _ = walked("Plain")
+    slow = take_phases(replace(clip, fps=30.0), replace(RULE, speed=RULE.speed / 2), variant("adaptive"))
+    halves = np.median(slow.local.magnitude, axis=0) / np.median(found("Plain").local.magnitude, axis=0)
+    assert np.allclose(halves, 0.5, atol=0.02)
 
 
 def test_the_global_phase_is_the_true_one():
@@ -106,18 +127,18 @@ def test_a_mirrored_take_swaps_left_and_right():
     rotations = clip.rotations[:, partner] * [1.0, 1.0, -1.0, -1.0]
     skeleton = replace(clip.skeleton, offsets=clip.skeleton.offsets[partner] * [-1.0, 1.0, 1.0])
     mirrored = replace(clip, skeleton=skeleton, rotations=rotations, root_positions=clip.root_positions * [-1, 1, 1])
-    own, other = found("DraggedLeft"), take_phases(mirrored, RULE, variant("wide"))
+    own, other = found("DraggedLeft"), take_phases(mirrored, RULE, variant("adaptive"))
     assert np.array_equal(other.contacts, own.contacts[:, ::-1])
     assert np.allclose(other.local.magnitude, own.local.magnitude[:, [1, 0, 3, 2]], atol=1e-6)
     assert distance(other.local.phase, own.local.phase[:, [1, 0, 3, 2]]).max() < 1e-6
-    assert np.allclose(other.directions, own.directions[::-1] * [-1, 1, 1], atol=1e-9)
+    assert np.allclose(other.sourcing.directions, own.sourcing.directions[[1, 0, 3, 2]] * [-1, 1, 1], atol=1e-9)
 
 
 @pytest.mark.parametrize("fps", [24.0, 30.0, 120.0, 240.0])
 def test_the_frame_rate_hardly_matters(fps):
     """The same motion at another rate has the same phases at the same times."""
     clip, truth = walked("Plain")
-    other = take_phases(resample(clip, fps), RULE, variant("wide"))
+    other = take_phases(resample(clip, fps), RULE, variant("adaptive"))
     assert other.fps == fps
     at = np.round(np.arange(len(other.contacts)) * 60 / fps).astype(int)
     inner = (at > 60) & (at < len(truth.phase) - 60)
@@ -158,7 +179,7 @@ def one_leg(clip: Clip) -> Clip:
     return replace(still(clip), rotations=rotations)
 
 
-@pytest.mark.parametrize("variant_name", ["release", "paper", "wide"])
+@pytest.mark.parametrize("variant_name", ["release", "paper", "adaptive"])
 @pytest.mark.parametrize("fps", [24.0, 240.0])
 @pytest.mark.parametrize("frames", [1, 2, 3, 5, 20])
 def test_clips_shorter_than_a_window_have_finite_phases(frames, fps, variant_name):
@@ -175,7 +196,7 @@ def test_a_clip_without_movement_has_contacts_and_no_magnitude(fps):
 
 def test_only_the_foot_that_moves_has_a_phase():
     stand, _ = walk(find_style("Plain"), "ID", seconds=8.0)
-    phases = take_phases(one_leg(stand), RULE, variant("wide"))
+    phases = take_phases(one_leg(stand), RULE, variant("adaptive"))
     assert_defined(phases, len(stand))
     assert phases.contacts[:, 1].all() and 0.4 < phases.contacts[:, 0].mean() < 0.7
     assert (phases.local.magnitude[:, :3] < 1e-6).all() and np.median(phases.local.magnitude[:, 3]) > 0.5
@@ -202,7 +223,7 @@ def real_walk(mirror, tmp_path_factory) -> TakePhases:
                 archive.extract(member, folder, filter="data")
                 break
     clip = resample(read_bvh(next(folder.rglob(wanted)), metres_per_unit=0.01), 60.0)
-    return take_phases(clip, dataset("bandai-namco").contact, variant("wide"))
+    return take_phases(clip, dataset("bandai-namco").contact, variant("adaptive"))
 
 
 def test_feet_of_a_recorded_walk_are_half_a_cycle_apart(real_walk):

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from stylephase.data.registry import MIDDLE_CONTACT
 from stylephase.motion.clip import forward_kinematics
 from stylephase.motion.synthetic import find_style, steady, walk
-from stylephase.phase.local import hand_directions
+from stylephase.phase.source import sourcing
+from stylephase.phase.take import movement_of
 from stylephase.report import palette
 from stylephase.report.render import Motion
 from stylephase.report.render.swings import swing_picture, swings
@@ -19,9 +21,13 @@ def walking():
     return clip.skeleton, forward_kinematics(clip)
 
 
+def directions_of(pose, skeleton):
+    return sourcing([movement_of(pose, skeleton, 60.0, MIDDLE_CONTACT)]).directions[:2]
+
+
 def test_a_path_goes_through_the_joint_in_its_frame_and_the_direction_points_ahead(walking):
     skeleton, pose = walking
-    directions = hand_directions([pose], skeleton)
+    directions = directions_of(pose, skeleton)
     for frame in (0, 60):
         drawn = swings(pose, skeleton, skeleton.roles.hands, directions, COLOURS, frame=frame)
         for one, joint in zip(drawn, skeleton.roles.hands, strict=True):
@@ -34,7 +40,7 @@ def test_a_path_goes_through_the_joint_in_its_frame_and_the_direction_points_ahe
 def test_path_arrow_and_plane_are_in_the_picture(walking):
     skeleton, pose = walking
     motion = Motion(skeleton, pose.positions, label="Plain")
-    drawn = swings(pose, skeleton, skeleton.roles.hands, hand_directions([pose], skeleton), COLOURS, frame=60)
+    drawn = swings(pose, skeleton, skeleton.roles.hands, directions_of(pose, skeleton), COLOURS, frame=60)
     bare, full = (swing_picture(motion, chosen, frame=60, scale=90).astype(int) for chosen in ([], drawn))
     assert bare.shape == full.shape
     changed = np.abs(full - bare).sum(axis=2) > 60
