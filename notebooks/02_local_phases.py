@@ -25,17 +25,18 @@ from stylephase.data.catalogue import cut_frames, load_catalogue, load_clip
 from stylephase.data.registry import DATA, datasets
 from stylephase.evaluation.motion import steps_of
 from stylephase.evaluation.phases import WRONG, antiphase, backward_share, contact_agreement, explained
-from stylephase.evaluation.style import WALKS
+from stylephase.features.clips import WALKS
 from stylephase.features.layout import FPS
 from stylephase.motion.clip import forward_kinematics
 from stylephase.motion.root import hips_frame
 from stylephase.motion.skeleton import EFFECTOR_NAMES
 from stylephase.motion.synthetic import STYLES, find_style, steady, walk
-from stylephase.phase.circular import distance
-from stylephase.phase.local import effector_speeds, hand_directions, phases_of_sources, variant
+from stylephase.phase.circular import distance, wrap
+from stylephase.phase.local import variant
 from stylephase.phase.sinusoid import fit_sinusoids
-from stylephase.phase.source import low_pass, prepared, principal_direction, principal_source, window_zscore
-from stylephase.phase.take import pose_phases, take_phases
+from stylephase.phase.source import low_pass, prepared, principal_direction, principal_source, sourcing, window_zscore
+from stylephase.phase.take import movement_of, movement_phases, take_phases
+from stylephase.phase.tempo import tempo_of
 from stylephase.report import palette, plots
 from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
@@ -47,8 +48,9 @@ from stylephase.report.render.swings import swing_picture, swings
 figures = ROOT / figures_folder
 catalogue = load_catalogue(dataset)
 about = catalogue.dataset
-WALKER = datasets()["synthetic"].contact
-HANDS = [palette.EFFECTORS[name] for name in EFFECTOR_NAMES[:2]]
+WALKER = datasets()["synthetic"]
+EFFECTORS = [palette.EFFECTORS[name] for name in EFFECTOR_NAMES]
+HANDS = EFFECTORS[:2]
 recorder = Recorder(
     "02_local_phases",
     dataset=dataset,
@@ -85,8 +87,11 @@ def straight(name: str, seconds: float = 8.0):
 
 walkers = {style.name: straight(style.name) for style in STYLES}
 read = {
-    how: {name: take_phases(clip, WALKER, variant(how)) for name, (clip, _) in walkers.items()}
-    for how in ("release", "paper", "wide")
+    how: {
+        name: take_phases(clip, WALKER.contact, variant(how), contact_free=WALKER.contact_free_feet(name, "FW"))
+        for name, (clip, _) in walkers.items()
+    }
+    for how in ("adaptive", "release", "paper")
 }
 INSIDE = slice(60, -60)
 
@@ -109,12 +114,12 @@ def swing(name: str) -> np.ndarray:
 with plots.style():
     both = Figure(figsize=(7.2, 2.7)).subplots(1, 2, sharey=True)
     for axes, name in zip(both, ("Plain", "OffbeatArms"), strict=True):
-        cycles, forward = read["wide"][name].global_phase / (2 * np.pi), swing(name)
+        cycles, forward = read["adaptive"][name].global_phase / (2 * np.pi), swing(name)
         axes.scatter(cycles, forward - forward.mean(), s=6, color=HANDS[0])
         axes.set(title=name, xlabel="global phase (cycles)", xlim=(0, 1))
     both[0].set_ylabel("left hand ahead of\nits mean place (m)")
-by_global = {n: explained(swing(n), read["wide"][n].global_phase / (2 * np.pi)) for n in ("Plain", "OffbeatArms")}
-by_own = {name: explained(swing(name), read["wide"][name].local.phase[:, 0]) for name in by_global}
+by_global = {n: explained(swing(n), read["adaptive"][n].global_phase / (2 * np.pi)) for n in ("Plain", "OffbeatArms")}
+by_own = {name: explained(swing(name), read["adaptive"][name].local.phase[:, 0]) for name in by_global}
 save(both[0], "global", "The left hand's place against the global phase: a curve for Plain, a cloud for OffbeatArms.")
 
 # %% [markdown]
@@ -136,12 +141,16 @@ table(
 # > numbers may be changed for a motion ([M22] 4.1.2). The source function is 1 in contact, else 0.
 #
 # `foot_contacts` measures the height from the take's own floor, for on every skeleton the toes rest at another
-# height, and each data set has a rule of its own: a recorded toe rolls and trembles, a running one hardly stops.
+# height, and each data set has a rule of its own: a recorded toe rolls and trembles, a running one hardly stops, and
+# the walker's rests exactly. A toe has to be slow on the way to a frame and on the way from it: looking only back, as
+# the authors did, ends every contact late.
 
 # %%
 rules = {name: entry.contact for name, entry in datasets().items()}
-agreement = {name: contact_agreement(take.contacts, walkers[name][1].contacts) for name, take in read["wide"].items()}
-assert min(agreement.values()) > 0.85
+agreement = {
+    name: contact_agreement(take.contacts, walkers[name][1].contacts) for name, take in read["adaptive"].items()
+}
+assert min(agreement.values()) > 0.98
 table(
     ("data set", "slower than (m/s)", "lower than (m)"),
     ("the paper", 0.15, 0.01),
@@ -149,10 +158,17 @@ table(
 )
 
 # %%
-worst = min(agreement, key=lambda name: agreement[name])
+exact = {
+    name: 2
+    * (take.contacts & walkers[name][1].contacts).sum()
+    / (take.contacts.sum() + walkers[name][1].contacts.sum())
+    for name, take in read["adaptive"].items()
+}
+worst = min(exact, key=lambda name: exact[name])
 Markdown(
-    f"Against the walker's true contacts, give or take a frame: F1 between {agreement[worst]:.3f} (`{worst}`) and "
-    f"{max(agreement.values()):.3f}, median {np.median(list(agreement.values())):.3f}."
+    f"Against the walker's true contacts, frame by frame: F1 between {exact[worst]:.3f} (`{worst}`) and "
+    f"{max(exact.values()):.3f}, median {np.median(list(exact.values())):.3f}; give or take a frame, at least "
+    f"{min(agreement.values()):.3f}."
 )
 
 # %% [markdown]
@@ -163,7 +179,8 @@ Markdown(
 # > forward ([M22] 4.1.3).
 #
 # Three styles of this data set, with the path of each hand against the hips, the principal direction as an arrow and
-# the plane across it. The path belongs to the fingertips where the file has them.
+# the plane across it. The path belongs to the fingertips where the file has them. A foot that never touches the floor
+# is read in the same way, and is then drawn too.
 
 # %%
 THREE = {
@@ -193,14 +210,17 @@ def middle_of(clip):
 drawn, found = [], {}
 for pair in three:
     takes = takes_of(pair)
-    directions = hand_directions([forward_kinematics(clip) for clip in takes], skeleton)
+    movements = [movement_of(forward_kinematics(clip), skeleton, FPS, about.contact) for clip in takes]
+    chosen = sourcing(movements, contact_free=about.contact_free_feet(*pair.rsplit("/", 1)))
     clip = middle_of(max(takes[:3], key=len))
     pose, frame = forward_kinematics(clip), len(clip) // 2
-    found[pair] = pose_phases(pose, skeleton, FPS, about.contact, directions, variant("wide"))
+    found[pair] = movement_phases(movement_of(pose, skeleton, FPS, about.contact), chosen, variant("adaptive"))
     motion = Motion(skeleton, pose.positions, found[pair].contacts, label=pair)
-    lines = swings(pose, skeleton, skeleton.roles.hands, directions, HANDS, frame=frame)
+    free = [*range(2), *(2 + foot for foot in range(2) if not chosen.by_contact[foot])]
+    joints, colours = ([column[k] for k in free] for column in (skeleton.roles.effectors, EFFECTORS))
+    lines = swings(pose, skeleton, tuple(joints), chosen.directions[free], colours, frame=frame)
     drawn.append(swing_picture(motion, lines, frame=frame))
-alt = f"A frame of each of {', '.join(three)}, with the hands' paths, arrows along and planes across them."
+alt = f"A frame of each of {', '.join(three)}, with paths of the hands, arrows along and planes across them."
 write_png(figures / "02_local_phases-directions.png", np.concatenate(drawn, axis=1), alt=alt)
 Image(figures / "02_local_phases-directions.png", alt=alt)
 
@@ -289,7 +309,7 @@ equation = local.magnitude[..., None] * np.stack([np.sin(angle), np.cos(angle)],
 assert np.allclose(local.vectors, equation.reshape(-1, 8))
 quiet, plain = (read["release"][name] for name in ("PocketHands", "Plain"))
 sizes = {name: np.median(part.local.magnitude[:, :2]) for name, part in (("PocketHands", quiet), ("Plain", plain))}
-source_size = {name: part.sources[:, :2].std() for name, part in (("PocketHands", quiet), ("Plain", plain))}
+source_size = {name: part.local.source[:, :2].std() for name, part in (("PocketHands", quiet), ("Plain", plain))}
 assert sizes["PocketHands"] < 0.2 * sizes["Plain"]
 table(
     ("hands", *sizes),
@@ -310,7 +330,12 @@ table(
 def fig4(pair: str) -> Image:
     take, name = found[pair], pair.replace("/", "-")
     axes = plots.phase_plot(
-        take.sources, take.local.phase, take.local.magnitude, take.contacts, fps=FPS, mark=len(take.sources) // 2 / FPS
+        take.local.source,
+        take.local.phase,
+        take.local.magnitude,
+        take.contacts,
+        fps=FPS,
+        mark=len(take.contacts) / 2 / FPS,
     )[0]
     axes.set_title(pair, loc="right")
     return save(axes, f"fig4-{name}", f"Source functions, phases and foot contacts of {pair} against time.")
@@ -333,33 +358,29 @@ fig4(three[2])
 #
 # > Left Hop takes the contact-free method for the foot in the air ([M22] Fig. 4).
 #
-# Read from contacts, the raised foot of the hopper has no phase at all. Which feet are read which way is a choice
-# made by hand, in the authors' code as here: below it is made for the raised left foot of `HopOnRight`.
+# Read from contacts, the raised foot of the hopper has no phase at all. A hybrid takes contacts only from feet that
+# touch the floor and leave it again; feet that do so now and then without meaning it are named in
+# `data/registry.toml`, for 100STYLE the raised feet of its two hops.
 
 # %%
 clip, truth = walkers["HopOnRight"]
-pose = forward_kinematics(clip)
-places = hips_frame(pose, clip.skeleton, clip.skeleton.roles.effectors)
-raised = principal_source(places[:, 2], principal_direction(places[:, 2]))
-sources = read["wide"]["HopOnRight"].sources.copy()
-sources[:, 2] = prepared(raised[:, None], FPS, variant("wide").normalise_seconds)[:, 0]
-by_hand = phases_of_sources(sources, effector_speeds(pose, clip.skeleton, FPS), FPS, variant("wide"))
-hop = {
-    how: (np.median(found.magnitude[:, 2]), explained(raised, found.phase[:, 2]), np.median(found.frequency[:, 2]))
-    for how, found in (("from contacts", read["wide"]["HopOnRight"].local), ("from its movement", by_hand))
-}
-hop_explained = hop["from its movement"][1]
-assert hop["from contacts"][0] == 0 and hop_explained > 0.8
+foot = principal_source(
+    hips_frame(forward_kinematics(clip), clip.skeleton, clip.skeleton.roles.toes)[:, 0],
+    read["adaptive"]["HopOnRight"].sourcing.directions[2],
+)
+ways = {way: take_phases(clip, WALKER.contact, variant("adaptive"), sources=way) for way in ("contact-based", "hybrid")}
+hop = {way: (np.median(of.local.magnitude[:, 2]), explained(foot, of.local.phase[:, 2])) for way, of in ways.items()}
+hop_explained = hop["hybrid"][1]
+assert hop["contact-based"][0] == 0 and hop_explained > 0.8 and ways["hybrid"].sourcing.by_contact == (False, True)
 table(
-    ("raised foot", "magnitude (m/s)", "movement explained by its phase", "frequency (Hz)"),
-    *((how, *(f"{value:.2f}" for value in values)) for how, values in hop.items()),
-    ("truth", "", "", f"{np.median(truth.frequency[:, 2]):.2f}"),
+    ("raised foot", "magnitude (m/s)", "movement explained by its phase"),
+    *((way, *(f"{value:.2f}" for value in values)) for way, values in hop.items()),
 )
 
 # %%
-part = slice(120, 360)
+part, take = slice(120, 360), ways["hybrid"]
 axes = plots.phase_plot(
-    sources[part], by_hand.phase[part], by_hand.magnitude[part], read["wide"]["HopOnRight"].contacts[part], fps=FPS
+    take.local.source[part], take.local.phase[part], take.local.magnitude[part], take.contacts[part], fps=FPS
 )[0]
 axes.set_title("HopOnRight, left foot without contacts", loc="right")
 save(axes, "hop", "Source functions, phases and contacts of a hopper, whose raised foot is read without contacts.")
@@ -367,24 +388,22 @@ save(axes, "hop", "Source functions, phases and contacts of a hopper, whose rais
 # %% [markdown]
 # ## Against the truth
 #
-# Circular distance from the walker's own phases, in cycles, as median / ninth decile over the frames, with the
-# variant `wide`: z-scores over two seconds, fits as in the release. A sixtieth of a cycle is one frame of a walk. The
-# raised foot of the hopper is left out.
+# Circular distance from the walker's own phases, in cycles, as median / ninth decile over the frames, for the variant
+# `adaptive` (two sections on says what that is). A sixtieth of a cycle is one frame of a walk.
 
 # %%
 errors = {
     how: {name: distance(take.local.phase, walkers[name][1].phase)[INSIDE] for name, take in of.items()}
     for how, of in read.items()
 }
-for of in errors.values():
-    of["HopOnRight"][:, 2] = np.nan
 cycle = {name: FPS / np.median(truth.frequency[:, 3]) for name, (_, truth) in walkers.items()}
 ordered = sorted(cycle, key=lambda name: cycle[name])
 
 
 def cells(name: str) -> list[str]:
-    halves = np.percentile(errors["wide"][name], (50, 90), axis=0).T
-    return ["no contact" if np.isnan(middle) else f"{middle:.3f} / {most:.3f}" for middle, most in halves]
+    return [
+        f"{middle:.3f} / {most:.3f}" for middle, most in np.percentile(errors["adaptive"][name], (50, 90), axis=0).T
+    ]
 
 
 table(
@@ -393,16 +412,49 @@ table(
 )
 
 # %% [markdown]
-# What to look for: everything within a frame or two up to cycles of about 80 frames. Beyond that the feet go wrong,
-# while the hands, whose source is a smooth wave, stay right for longer.
+# What to look for: all within a frame or two, slow styles like fast ones. The sleepwalker's arms hang forward and are
+# moved by the trunk more than by the shoulder, so what is seen of them is not quite what they were told.
+#
+# The same with changes of speed and curves: takes of twelve seconds as in the data set, made with another seed than
+# any number above. Beside it a phase that knows the take's cycle and the best shift, but nothing of its changes.
+
+
+# %%
+def varied(name: str, seed: int = 1):
+    clip, truth = walk(find_style(name), "FW", seconds=12.0, seed=seed)
+    take = take_phases(clip, WALKER.contact, variant("adaptive"), contact_free=WALKER.contact_free_feet(name, "FW"))
+    inside = slice(truth.cut[0] + 30, truth.cut[1] - 30)
+    even = np.arange(len(clip))[:, None] * np.median(truth.frequency[inside], axis=0) / FPS
+    shift = np.exp(2j * np.pi * (truth.phase - even))[inside].mean(axis=0)
+    off = [
+        distance(phase, truth.phase)[inside] for phase in (take.local.phase, wrap(even + np.angle(shift) / 2 / np.pi))
+    ]
+    return *off, take.contacts[inside], truth.contacts[inside]
+
+
+turning = {name: varied(name) for name in ordered}
+f1_varied = (
+    2 * sum((o & t).sum() for *_, o, t in turning.values()) / sum(o.sum() + t.sum() for *_, o, t in turning.values())
+)
+worst_varied = max(float(np.median(ours, axis=0).max()) for ours, *_ in turning.values())
+even_varied = max(float(np.median(even, axis=0).max()) for _, even, *_ in turning.values())
+assert worst_varied <= 0.05 and even_varied > 0.05
+middle_varied = np.median([np.median(ours) for ours, *_ in turning.values()])
+Markdown(
+    f"Medians over the frames, worst of {len(turning)} styles and four effectors: {worst_varied:.3f}; median over the "
+    f"styles {middle_varied:.3f}. Of a constant rate the worst is {even_varied:.3f}. "
+    f"F1 of all contacts {f1_varied:.3f}."
+)
 
 # %% [markdown]
 # ## How long a window
 #
 # The paper and the release normalise over one second. A foot of a slow walk stands for longer than that. Then the
-# window holds nothing but ones, the z-score of a plateau is zero, and the phase jumps. Two seconds mend that up to
-# cycles of about 100 frames. Each dot is a style; the height is the share of frames in which a foot's phase is wrong
-# by more than 0.15 cycles.
+# window holds nothing but ones, the z-score of a plateau is zero, and the phase jumps. A longer window only moves the
+# limit. So `adaptive` lets the window follow the cycle: the tempo of each source is found first (`phase/tempo.py`, the
+# course of frequencies that explains most of the signal), the source is played so that every cycle lasts one second,
+# and the release's recipe is applied to that, with the sinusoid fitted over a whole cycle. Each dot is a style; the
+# height is the share of frames in which a foot's phase is wrong by more than 0.15 cycles.
 
 
 # %%
@@ -411,35 +463,37 @@ def wrong_share(how: str, name: str) -> float:
     return float(np.nanmean(feet > WRONG))
 
 
-wrong = {how: np.array([wrong_share(how, name) for name in ordered]) for how in ("release", "wide")}
+wrong = {how: np.array([wrong_share(how, name) for name in ordered]) for how in ("release", "adaptive")}
 slow = "StoopedOver"
+LOOKS = {"release": ("one second", palette.SEQUENCE[1], "o"), "adaptive": ("one cycle", palette.SEQUENCE[2], "^")}
 with plots.style():
     above, below = Figure(figsize=(7.2, 4.6)).subplots(2, 1)
-    for how, colour, marker in (("release", palette.SEQUENCE[1], "o"), ("wide", palette.SEQUENCE[2], "^")):
-        seconds = variant(how).normalise_seconds
-        label = f"{how}: {seconds:g} s"
+    for how, (window, colour, marker) in LOOKS.items():
+        label = f"{how}: {window}"
         above.scatter([cycle[n] for n in ordered], 100 * wrong[how], color=colour, marker=marker, label=label, s=32)
         below.plot(np.arange(480) / FPS, read[how][slow].local.phase[:, 2], color=colour, label=label, linewidth=1.4)
     below.plot(np.arange(480) / FPS, walkers[slow][1].phase[:, 2], ":", color=palette.INK, label="truth", linewidth=1.2)
     above.set(xlabel="length of a cycle (frames of 60 a second)", ylabel="feet, wrong frames (%)")
     below.set(xlabel="time (s)", ylabel="phase (cycles)", title=f"Left foot of {slow}", xlim=(0, 8))
-    above.legend(loc="upper left", title="z-score over")
-    below.legend(loc="lower left", ncols=3, bbox_to_anchor=(0.42, 1.0))
-save(above, "window", "Share of wrong frames against the length of the cycle for windows of one and two seconds.")
+    above.legend(loc="upper left", title="window")
+    below.legend(loc="lower left", ncols=3, bbox_to_anchor=(0.3, 1.0), fontsize=8)
+save(above, "window", "Share of wrong frames against the length of the cycle for windows of one second and one cycle.")
 
 # %% [markdown]
-# Check: two seconds are never worse by more than a few frames and mend the styles of 75 to 100 frames. The slowest
-# style, with 130 frames, is beyond them too. Our networks are therefore trained on `wide`.
+# Check: with a window of one cycle hardly a frame is wrong at any length. Magnitudes stay comparable, since a z-score
+# over one cycle gives every sinusoid the same amplitude: what is left is the speed of the limb. Our networks are
+# trained on `adaptive`.
 
 # %%
 lengths = np.array([cycle[name] for name in ordered])
-usual, slowish = lengths < 75, (lengths >= 75) & (lengths < 110)
-assert (wrong["wide"] <= wrong["release"] + 0.02).all()
-assert wrong["wide"][usual].max() <= 0.02 and wrong["wide"][slowish].max() < 0.5 * wrong["release"][slowish].max()
+usual, slowish = lengths < 75, lengths >= 90
+found_rate = {name: np.median(tempo_of(read["adaptive"][name].contacts[:, 0] * 1.0, FPS).rate) for name in ordered}
+assert wrong["adaptive"].max() <= 0.02 and wrong["release"][slowish].min() > 0.2
+assert all(abs(found_rate[name] * cycle[name] / FPS - 1) < 0.1 for name in ordered)
 table(
-    ("wrong frames of the feet (%)", "up to 75 frames", "75 to 110", "above"),
+    ("wrong frames of the feet (%)", "up to 75 frames", "75 to 90", "above"),
     *(
-        (how, *(f"{100 * wrong[how][chosen].mean():.1f}" for chosen in (usual, slowish, lengths >= 110)))
+        (how, *(f"{100 * wrong[how][chosen].mean():.1f}" for chosen in (usual, ~usual & ~slowish, slowish)))
         for how in wrong
     ),
 )
@@ -461,18 +515,18 @@ def first_walk(style: str):
 walks = {style: first_walk(style) for style in dict.fromkeys(entry.style for entry in entries)}
 phases = {
     how: {style: take_phases(clip, about.contact, variant(how)) for style, clip in walks.items()}
-    for how in ("release", "wide")
+    for how in ("release", "adaptive")
 }
 checks = {
     style: (
         steps_of(take.contacts).alternation,
-        *(float(np.median(antiphase(phases[how][style].local.phase))) for how in ("release", "wide")),
+        *(float(np.median(antiphase(phases[how][style].local.phase))) for how in ("release", "adaptive")),
         float(backward_share(take.local.phase)[2:].max()),
         float(np.median(take.local.magnitude[:, :2])),
     )
-    for style, take in phases["wide"].items()
+    for style, take in phases["adaptive"].items()
 }
-names = ("alternation", "antiphase, 1 s", "antiphase, 2 s", "feet running backwards", "hands' magnitude (m/s)")
+names = ("alternation", "antiphase, release", "antiphase, adaptive", "feet running backwards", "hands' magnitude (m/s)")
 table(
     ("style", *names),
     *((style, *(f"{value:.3f}" for value in values)) for style, values in checks.items()),
@@ -483,7 +537,7 @@ medians = dict(zip(names, np.median(list(checks.values()), axis=0).tolist(), str
 quietest = min(checks, key=lambda style: checks[style][-1])
 if dataset in THREE:
     assert medians["alternation"] >= 0.98
-    assert medians["antiphase, 2 s"] <= 0.05 and medians["feet running backwards"] <= 0.02
+    assert medians["antiphase, adaptive"] <= 0.05 and medians["feet running backwards"] <= 0.02
 Markdown(
     f"Median over {len(checks)} styles: "
     + ", ".join(f"{name} {value:.3f}" for name, value in medians.items())
@@ -492,16 +546,18 @@ Markdown(
 
 
 # %% [markdown]
-# Distances of more than 0.05 belong to styles that limp, hop or go slowly, in which the feet are not half a cycle
-# apart or the window is too short. How near to a sinusoid is what the hands do? Share of their movement along the
-# principal direction that a sinusoid of their own phase explains, over the styles:
+# Distances of more than 0.05 belong to styles that limp or hop, in which the feet are not half a cycle apart. How near
+# to a sinusoid is what the hands do? Share of their movement along the principal direction that a sinusoid of their
+# own phase explains, over the styles:
 
 
 # %%
 def hand_shares(style: str) -> list[float]:
-    clip, take = walks[style], phases["wide"][style]
+    clip, take = walks[style], phases["adaptive"][style]
     places = hips_frame(forward_kinematics(clip), skeleton, skeleton.roles.hands)
-    return [explained(principal_source(places[:, k], take.directions[k]), take.local.phase[:, k]) for k in (0, 1)]
+    return [
+        explained(principal_source(places[:, k], take.sourcing.directions[k]), take.local.phase[:, k]) for k in (0, 1)
+    ]
 
 
 shares = np.array([hand_shares(style) for style in walks])
@@ -535,8 +591,10 @@ judge("m22-phase-near-sinusoid", near > 0.8, note, value=round(near, 3), n=share
 note = "cycles between the walker's hands: swinging against each other, together; directions turned round swap them"
 values = [round(apart[name, (1, 1)], 3) for name in ("Plain", "HopOnRight")]
 judge("m22-phase-directed-components", values[0] > 0.48 and values[1] < 0.02, note, value=values, n=2, **walker)
-note = f"one second leaves {100 * wrong['release'][slowish].max():.0f} % of a slow walker's frames wrong, two seconds "
-note += f"{100 * wrong['wide'][slowish].max():.0f} %; ours are trained with two, one is the variant release"
+note = (
+    f"one second leaves up to {100 * wrong['release'][slowish].max():.0f} % of a slow walker's frames wrong, one cycle "
+)
+note += f"{100 * wrong['adaptive'][slowish].max():.0f} %; ours are trained with that, one second is the variant release"
 judge("m22-phase-post-processing", False, note)
 note = "closed form for each frequency in place of a search; window and neighbours as in the release"
 judge("m22-phase-fit", True, note)
@@ -547,13 +605,28 @@ note = "magnitude of hands in pockets over that of swinging hands, the walker"
 judge("m22-phase-small-when-still", ratio < 0.2, note, value=round(ratio, 3), **walker)
 count = found[three[0]].local.phase.shape[1]
 recorder.claim("m22-phase-four-effectors", value=count, verdict=REPRODUCED if count == 4 else DIFFERS)
-offbeat = float(np.median(errors["wide"]["OffbeatArms"]))
+offbeat = float(np.median(errors["adaptive"]["OffbeatArms"]))
 note = "median distance from the true phases (cycles), walker with arms of a period of their own"
 judge("m22-fig4-pendulum-hands", offbeat < 0.02, note, value=round(offbeat, 4), **walker)
 note = "hands' magnitude over that of an ordinary walk, walker with its hands in its pockets"
 judge("m22-fig4-hands-in-pockets", ratio < 0.2, note, value=round(ratio, 3), **walker)
-note = "share of the raised foot's movement explained by its phase, walker that hops; the foot is chosen by hand"
+note = "share of the raised foot's movement explained by its phase, walker that hops"
 judge("m22-fig4-left-hop", hop_explained > 0.8, note, value=round(hop_explained, 3), **walker)
+inside = {name: np.median(errors["adaptive"][name], axis=0) for name in ordered}
+slow_ratio = max(inside[n].max() for n in ordered if cycle[n] >= 90) / max(
+    inside[n].max() for n in ordered if cycle[n] < 75
+)
+own_beat = np.median(read["adaptive"]["OffbeatArms"].local.frequency[INSIDE, 0]) * find_style("OffbeatArms").arm_period
+steady_worst = max(values.max() for name, values in inside.items())
+for identifier, value in {
+    "ours-phase-walker-steady": float(np.median([values.max() for values in inside.values()])),
+    "ours-phase-walker-worst": float(steady_worst),
+    "ours-phase-walker-varied": worst_varied,
+    "ours-phase-walker-slow": float(slow_ratio),
+    "ours-phase-walker-own-beat": float(own_beat),
+    "ours-phase-contacts-f1": float(f1_varied),
+}.items():
+    recorder.claim(identifier, value=round(value, 4), n=len(ordered), **walker)
 table(
     ("claim", "value", "verdict", "note"),
     *((r.name, "" if r.value is None else r.value, r.verdict, r.note) for r in recorder.record.results),
@@ -562,11 +635,11 @@ table(
 # %%
 for how, share in wrong.items():
     recorder.number(f"feet wrong by more than 0.15 cycles, cycles up to 75 frames, {how}", share[usual].mean())
-    recorder.number(f"feet wrong by more than 0.15 cycles, cycles of 75 to 110 frames, {how}", share[slowish].mean())
+    recorder.number(f"feet wrong by more than 0.15 cycles, cycles of 90 frames and more, {how}", share[slowish].mean())
 for k, name in enumerate(EFFECTOR_NAMES):
-    medians_of = [np.median(errors["wide"][style][:, k]) for style in ordered]
+    medians_of = [np.median(errors["adaptive"][style][:, k]) for style in ordered]
     recorder.number(f"phase error of {name}, median over styles of medians", np.nanmedian(medians_of), "cycles")
-recorder.number("least contact F1", min(agreement.values()))
+recorder.number("least contact F1", min(exact.values()))
 for name, value in medians.items():
     recorder.number(f"{name}, median over styles of {dataset}", value)
 recorder.write(figures_folder)

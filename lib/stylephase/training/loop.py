@@ -45,7 +45,7 @@ class Trainer:
         self.rng = np.random.default_rng(seed)
         self.network = build_network(self.body, preset.network)
         self.network.generator.start_neutral()
-        self.sampler = Sampler(self.styles, self.scaling, self.rng)
+        self.sampler = Sampler(self.styles, self.scaling, self.rng, preset.style_power)
         self.lengths = bone_lengths(self.body)
         self.optimisers: checkpoint.Optimisers = {
             "synthesis": torch.optim.Adam(self.network.synthesis.parameters(), lr=preset.network_rate, fused=True),

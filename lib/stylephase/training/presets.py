@@ -13,7 +13,8 @@ class Preset:
 
     A step updates the synthesis network on `styles_per_step` styles with `frames_per_style` frames each; the style
     codes of one generator pass serve `steps_per_code` steps, then their summed gradient updates the generator, which
-    costs more than all those steps. Learning rates warm up over `warm_up` steps and fall linearly from the share
+    costs more than all those steps. A style is drawn by its number of training frames to the power `style_power`: 0
+    draws all alike, 1 all frames alike. Learning rates warm up over `warm_up` steps and fall linearly from the share
     `decay_from` of the run to the factor `decay_to`. `phases` names the variant of the local phases, `mixed` takes
     products in bf16, `bone_weight` weighs the bone length loss (m) against the squared error ([M22] Eq. 5: 1).
     """
@@ -23,6 +24,7 @@ class Preset:
     styles_per_step: int = 8
     frames_per_style: int = 64
     steps_per_code: int = 4
+    style_power: float = 0.5
     network_rate: float = 1e-3
     generator_rate: float = 3e-4
     warm_up: int = 100
@@ -62,9 +64,9 @@ PRESETS = {
     # tells the network the style, the code goes unused, and rollouts slide into one gait.
     "cpu": Preset(
         network=NetworkSettings(
-            input_rate=0.3, hidden_rate=0.25, gating_rate=0.1, generator=GeneratorSettings(**_LIVELY)
+            input_rate=0.3, hidden_rate=0.15, gating_rate=0.05, generator=GeneratorSettings(**_LIVELY)
         ),
-        steps=8000,
+        steps=9200,
         decay_from=0.4,
         decay_to=0.02,
         bone_weight=3.0,
@@ -77,6 +79,7 @@ PRESETS = {
         styles_per_step=1,
         frames_per_style=32,
         steps_per_code=1,
+        style_power=0.0,
         network_rate=1e-4,
         generator_rate=1e-4,
         warm_up=0,

@@ -1,5 +1,7 @@
 """The notebook runner refuses, fails and finishes as it should; the series keeps its conventions."""
 
+import ast
+import importlib
 import json
 from pathlib import Path
 
@@ -239,6 +241,30 @@ def copy_faults(source: Path) -> list[str]:
     return [fault for fault, present in faults.items() if present]
 
 
+def missing_imports(source: str) -> list[str]:
+    """Modules and names of the library that a script imports and that are not there."""
+    missing = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            wanted = [(alias.name, "") for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            wanted = [(node.module or "", alias.name) for alias in node.names]
+        else:
+            continue
+        for module, name in wanted:
+            if module.split(".")[0] == "stylephase" and not _there(module, name):
+                missing.append(f"{module}.{name}" if name else module)
+    return missing
+
+
+def _there(module: str, name: str) -> bool:
+    try:
+        found = importlib.import_module(module)
+        return not name or hasattr(found, name) or bool(importlib.import_module(f"{module}.{name}"))
+    except ModuleNotFoundError:
+        return False
+
+
 class TestSeries:
     def test_there_is_a_series(self):
         assert "00_scorecard" in SERIES
@@ -250,6 +276,15 @@ class TestSeries:
     @pytest.mark.parametrize("name", SERIES)
     def test_a_committed_copy_is_the_script_executed(self, name):
         assert copy_faults(ROOT / "notebooks" / f"{name}.py") == []
+
+    @pytest.mark.parametrize("name", SERIES)
+    def test_what_a_script_imports_is_there(self, name):
+        """A name that moved within the library would stop a notebook, and only the whole pipeline would tell."""
+        assert missing_imports((ROOT / "notebooks" / f"{name}.py").read_text()) == []
+
+    def test_the_check_of_imports_sees_a_name_that_is_gone(self):
+        source = "from stylephase.files import read_json, read_yaml\nimport stylephase.nowhere\n"
+        assert missing_imports(source) == ["stylephase.files.read_yaml", "stylephase.nowhere"]
 
     def test_the_check_of_scripts_sees_every_breach(self, tmp_path):
         script = HEAD.replace("# # A small", "# A small").replace("[M22] 3. Under a minute with each preset.", "")
