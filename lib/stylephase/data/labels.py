@@ -24,7 +24,7 @@ def read_phase_labels(path: Path, frames: int) -> Float[ndarray, " frames"]:
         raise InputError("not a file of phase labels: it is no text file", path) from error
     cycles = np.array([_cycles(text, path, line) for line, text in enumerate(lines, 1)])
     if len(cycles) != frames:
-        raise InputError(f"expected {frames} phases, one for each frame, found {len(cycles)}", path, len(lines))
+        raise InputError(f"expected {frames} phases, one for each frame, found {len(cycles)}", path, len(lines) or None)
     return 2 * np.pi * np.where(cycles == 1.0, 0.0, cycles)
 
 

@@ -21,6 +21,8 @@ _FREQUENCIES = (0.2, 2.5)
 _LARGEST = 10.0
 # Frequencies tried at once, and how often the search begins anew between the neighbours of the best.
 _GRID, _REFINEMENTS = 24, 4
+# Lets an interval of one or two frames be solved.
+_RIDGE = 1e-9
 
 
 def touchdowns(contact: Bool[ndarray, " frames"], fps: float) -> ndarray:
@@ -103,8 +105,9 @@ def _second_derivatives(
     times = np.arange(len(signal)) / fps
     rows = []
     for part in np.array_split(np.arange(len(signal)), intervals):
-        sine, cosine, frequency = _best_sinusoid(signal[part], times[part])
-        angle = 2 * np.pi * frequency * times
+        middle = times[part].mean() if len(part) else 0.0
+        sine, cosine, frequency = _best_sinusoid(signal[part], times[part] - middle)
+        angle = 2 * np.pi * frequency * (times - middle)
         rows.append(-((2 * np.pi * frequency) ** 2) * (sine * np.sin(angle) + cosine * np.cos(angle)))
     return np.array(rows)
 
@@ -117,20 +120,25 @@ def _best_sinusoid(signal: Float[ndarray, " samples"], times: Float[ndarray, " s
     best = (np.inf, 0.0, 0.0, 0.0)
     for _ in range(_REFINEMENTS):
         grid = np.linspace(low, high, _GRID)
-        best = min(best, *(_sinusoid_at(f, signal, times) for f in grid))
+        tried = _sinusoids_at(grid, signal, times)
+        best = min(best, tuple(float(column[tried[0].argmin()]) for column in (*tried, grid)))
         step = grid[1] - grid[0]
         low, high = max(best[3] - step, _FREQUENCIES[0]), min(best[3] + step, _FREQUENCIES[1])
     return best[1:]
 
 
-def _sinusoid_at(frequency: float, signal: ndarray, times: ndarray) -> tuple[float, float, float, float]:
-    """Mean squared error, sine, cosine and frequency; the error is infinite where a bound is broken."""
-    angle = 2 * np.pi * frequency * times
+def _sinusoids_at(frequencies: ndarray, signal: ndarray, times: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """The error, less the signal's own square sum, with sine and cosine for each frequency; times are centred.
+
+    The error is infinite where a bound is broken.
+    """
+    angle = 2 * np.pi * np.multiply.outer(frequencies, times)
     waves = np.stack([np.sin(angle), np.cos(angle), np.ones_like(angle)], axis=1)
-    sine, cosine, offset = np.linalg.lstsq(waves, signal, rcond=None)[0]
-    error = np.mean((waves @ [sine, cosine, offset] - signal) ** 2)
-    inside = np.hypot(sine, cosine) <= _LARGEST and abs(offset) <= _LARGEST
-    return float(error) if inside else np.inf, float(sine), float(cosine), float(frequency)
+    products, targets = waves @ waves.swapaxes(1, 2) + _RIDGE * np.eye(3), waves @ signal
+    fitted = np.linalg.solve(products, targets[..., None])[..., 0]
+    sine, cosine, offset = fitted.T
+    inside = (np.hypot(sine, cosine) <= _LARGEST) & (np.abs(offset) <= _LARGEST)
+    return np.where(inside, -(fitted * targets).sum(axis=1), np.inf), sine, cosine
 
 
 def _cross_faded(rows: Float[ndarray, "intervals frames"], frames: int) -> Float[ndarray, " frames"]:
