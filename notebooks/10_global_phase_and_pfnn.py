@@ -214,9 +214,9 @@ table(
 )
 
 # %% [markdown]
-# What to look for: contacts give the phase within 0.04 cycles in every style. The fitted phase blurs every stop over
-# the length of its intervals, and in the slowest styles a second is less than a cycle. `HopOnRight` has no such phase
-# and is left out.
+# What to look for: in every style contacts give the phase within 0.04 cycles, in the median. The fitted phase blurs
+# every stop over the length of its intervals, and in the slowest styles a second is less than a cycle. `HopOnRight`
+# has no such phase and is left out.
 #
 # ### Against labels made by hand
 #

@@ -90,6 +90,7 @@ def fitted_phase(
     # The sum over both feet of the squared distance to x is that of x to half their difference, plus a constant.
     difference = (clipped[:, 0] - clipped[:, 1]) / 2
     bend = _cross_faded(_second_derivatives(difference, fps, interval_seconds), len(difference))
+    # Where a sinusoid falls through its middle, its second derivative rises through zero.
     keys = _rising_zeros(bend)
     if len(keys) < 2:
         return np.zeros(len(difference))
@@ -117,14 +118,16 @@ def _best_sinusoid(signal: Float[ndarray, " samples"], times: Float[ndarray, " s
     if not signal.any():
         return 0.0, 0.0, 0.0
     low, high = _FREQUENCIES
-    best = (np.inf, 0.0, 0.0, 0.0)
+    least, best = np.inf, (0.0, 0.0, 0.0)
     for _ in range(_REFINEMENTS):
         grid = np.linspace(low, high, _GRID)
-        tried = _sinusoids_at(grid, signal, times)
-        best = min(best, tuple(float(column[tried[0].argmin()]) for column in (*tried, grid)))
+        errors, sines, cosines = _sinusoids_at(grid, signal, times)
+        k = errors.argmin()
+        if errors[k] < least:
+            least, best = errors[k], (float(sines[k]), float(cosines[k]), float(grid[k]))
         step = grid[1] - grid[0]
-        low, high = max(best[3] - step, _FREQUENCIES[0]), min(best[3] + step, _FREQUENCIES[1])
-    return best[1:]
+        low, high = max(best[2] - step, _FREQUENCIES[0]), min(best[2] + step, _FREQUENCIES[1])
+    return best
 
 
 def _sinusoids_at(frequencies: ndarray, signal: ndarray, times: ndarray) -> tuple[ndarray, ndarray, ndarray]:
@@ -149,7 +152,7 @@ def _cross_faded(rows: Float[ndarray, "intervals frames"], frames: int) -> Float
 
 
 def _rising_zeros(values: Float[ndarray, " frames"]) -> ndarray:
-    """Where values rise through zero, between frames; a stretch of zeros counts once, in its middle."""
+    """Where values rise through zero, between frames; across a stretch of zeros they rise once."""
     moving = np.flatnonzero(values)
     before, after = moving[:-1], moving[1:]
     rising = (values[before] < 0) & (values[after] > 0)
