@@ -12,6 +12,8 @@ from stylephase.files import sha256
 
 # The walking and running of the Bandai-Namco sets; their bows, dances and fights are left alone.
 _LOCOMOTION = ("walk", "walk-back", "walk-left", "walk-right", "walk-turn-left", "walk-turn-right", "run", "dash")
+# What the name of a mirrored take ends with in Holden's data.
+MIRRORED = "_mirror"
 _FLAGS = {"Yes": True, "No": False}
 
 
@@ -67,6 +69,13 @@ def _bandai_namco(folder: Path) -> Iterator[Entry]:
         number, content, style = parts[0].removeprefix("dataset-"), parts[1], parts[2]
         if content in _LOCOMOTION:
             yield Entry(path, f"set{number}-{style}", content, symmetric=True)
+
+
+def _pfnn(folder: Path) -> Iterator[Entry]:
+    """Every take but the mirrored copies, which are made anew where they are wanted; gaits change within a take."""
+    for path in folder.rglob("*.bvh"):
+        if not path.stem.endswith(MIRRORED):
+            yield Entry(path, "neutral", "any", symmetric=True)
 
 
 def _own(folder: Path) -> Iterator[Entry]:
@@ -146,4 +155,4 @@ def _cuts(row: dict[str, str], path: Path, line: int) -> Iterator[tuple[str, int
         yield gait, int(start) - 1, int(stop) - 1
 
 
-_LAYOUTS = {"bandai-namco": _bandai_namco, "own": _own, "100style": _100style}
+_LAYOUTS = {"bandai-namco": _bandai_namco, "own": _own, "100style": _100style, "pfnn": _pfnn}

@@ -14,6 +14,7 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
+import numpy as np
 import pooch
 import pytest
 
@@ -184,6 +185,14 @@ def test_an_unsafe_member_of_a_tar_is_refused(tmp_path, unsafe):
     with pytest.raises(InputError, match=r"bad\.tar: cannot unpack"):
         unpack(path, folder)
     assert sorted(each.name for each in tmp_path.rglob("*")) == ["bad.tar", "folder", "good", "inside"]
+
+
+def test_an_npz_is_unpacked_into_its_arrays(tmp_path):
+    """Released weights are published so; what is unpacked is plain arrays, never pickled objects."""
+    np.savez(tmp_path / "weights.npz", first=np.arange(3), second=np.eye(2))
+    unpack(tmp_path / "weights.npz", tmp_path / "folder")
+    assert sorted(path.name for path in (tmp_path / "folder").iterdir()) == ["first.npy", "second.npy"]
+    assert np.array_equal(np.load(tmp_path / "folder/first.npy"), [0, 1, 2])
 
 
 @pytest.mark.parametrize("name", ["/evil", "../evil", "a/../../evil", "..\\evil"])

@@ -91,7 +91,17 @@ def test_own_files_are_named_by_folder_or_prefix(tmp_path):
     assert not any(entry.symmetric for entry in entries)
 
 
-@pytest.mark.parametrize("layout", ["own", "bandai-namco", "100style"])
+def test_the_layout_of_pfnn_leaves_out_the_mirrored_copies(tmp_path):
+    """They would be a second copy of the same motion, since a take of a symmetric style is mirrored in training."""
+    for name in ("NewCaptures10_000", "NewCaptures10_000_mirror", "LocomotionFlat04_000"):
+        for ending in ("bvh", "phase"):
+            (tmp_path / f"{name}.{ending}").write_text("")
+    flat, rough = find_entries("pfnn", tmp_path)
+    assert (flat.path.name, rough.path.name) == ("LocomotionFlat04_000.bvh", "NewCaptures10_000.bvh")
+    assert {(e.style, e.gait, e.symmetric) for e in (flat, rough)} == {("neutral", "any", True)}
+
+
+@pytest.mark.parametrize("layout", ["own", "bandai-namco", "100style", "pfnn"])
 def test_an_empty_folder_is_refused(tmp_path, layout):
     with pytest.raises(InputError, match="no BVH files of this data set in the folder"):
         find_entries(layout, tmp_path)

@@ -1,4 +1,7 @@
-"""The global phase: 0 at right touchdowns, pi at left ones, linear between, defined whatever the feet do."""
+"""The global phase: 0 at right touchdowns, pi at left ones, linear between, defined whatever the feet do.
+
+Read from contacts, and fitted to the speeds of the feet.
+"""
 
 import numpy as np
 import pytest
@@ -6,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stylephase.phase.circular import distance, wrap
-from stylephase.phase.global_phase import global_phase, touchdowns
+from stylephase.phase.global_phase import fitted_phase, global_phase, touchdowns
 
 FPS = 60.0
 TURN = 2 * np.pi
@@ -80,6 +83,101 @@ def test_any_contacts_give_a_phase_that_is_defined_and_never_runs_backwards(seed
     assert ((phase >= 0) & (phase < TURN)).all()
     # Touchdowns of both feet may be a frame apart, which is half a cycle; a step backwards would be more.
     assert (wrap(np.diff(phase), TURN) < np.pi + 1e-6).all()
+
+
+@st.composite
+def walks(draw) -> np.ndarray:
+    """Contacts (right, left) of a walk: the feet come down in turn, at least a sixth of a second apart."""
+    gaps = draw(st.lists(st.integers(10, 60), min_size=3, max_size=8))
+    falls = np.cumsum(gaps)
+    made = np.zeros((int(falls[-1]) + 20, 2), dtype=bool)
+    for number, frame in enumerate(falls):
+        made[frame : frame + draw(st.integers(8, gaps[(number + 1) % len(gaps)] + 5)), number % 2] = True
+    return made
+
+
+@given(made=walks(), frames=st.integers(1, 100))
+def test_a_walk_that_begins_later_has_the_same_phase_later(made, frames):
+    later = np.concatenate([np.repeat(made[:1], frames, axis=0), made])
+    assert distance(global_phase(later, FPS)[frames:], global_phase(made, FPS), TURN).max() < 1e-9
+
+
+@given(made=walks(), times=st.integers(2, 5))
+def test_a_walk_recorded_at_a_higher_rate_has_the_same_phase(made, times):
+    finer = np.repeat(made, times, axis=0)
+    assert distance(global_phase(finer, times * FPS)[::times], global_phase(made, FPS), TURN).max() < 1e-9
+
+
+@given(made=walks())
+def test_with_the_feet_swapped_the_phase_is_half_a_cycle_on(made):
+    swapped, phase = global_phase(made[:, ::-1], FPS), global_phase(made, FPS)
+    assert distance(swapped, phase + np.pi, TURN).max() < 1e-9
+
+
+def swings(hertz: float, *, seconds: float = 6.0, fps: float = FPS, start: float = 0.0, power: int = 1):
+    """Speeds (m/s) of the right and left toe, which swing in turn; the phase is 0 where the right one has swung.
+
+    The higher the `power`, an odd number, the shorter the swings.
+    """
+    beat = np.sin(TURN * hertz * (np.arange(round(seconds * fps)) / fps - start)) ** power
+    return 3 * np.stack([np.maximum(-beat, 0), np.maximum(beat, 0)], axis=1)
+
+
+@given(hertz=st.floats(0.8, 2.2), start=st.floats(0, 1), fps=st.sampled_from([30.0, 60.0, 120.0]))
+def test_the_fitted_phase_of_swings_is_theirs(hertz, start, fps):
+    """At any frame rate and from any beginning; away from the ends, where no key is near, it is hardly off."""
+    speeds = swings(hertz, start=start, fps=fps)
+    true = TURN * hertz * (np.arange(len(speeds)) / fps - start)
+    off = distance(fitted_phase(speeds, fps), wrap(true, TURN), TURN) / TURN
+    assert np.median(off) < 0.02 and off[round(fps) : -round(fps)].max() < 0.06
+
+
+@given(hertz=st.floats(0.8, 2.2), start=st.floats(0, 1))
+def test_with_the_feet_swapped_the_fitted_phase_is_half_a_cycle_on(hertz, start):
+    speeds = swings(hertz, start=start)
+    off = distance(fitted_phase(speeds[:, ::-1], FPS), fitted_phase(speeds, FPS) + np.pi, TURN) / TURN
+    assert np.median(off) < 0.03
+
+
+@given(hertz=st.floats(0.8, 1.2), times=st.floats(1.1, 1.8))
+def test_a_quicker_walk_has_a_fitted_phase_as_much_quicker(hertz, times):
+    slow, quick = (np.unwrap(fitted_phase(swings(rate), FPS)) for rate in (hertz, hertz * times))
+    assert (quick[300] - quick[60]) / (slow[300] - slow[60]) == pytest.approx(times, rel=0.03)
+
+
+def test_a_walk_slower_than_the_intervals_needs_longer_ones():
+    """A single swing in an interval does not tell the frequency: why slow styles fail with the release's second."""
+    speeds = swings(0.4, seconds=20, power=3)
+    true = wrap(TURN * 0.4 * np.arange(len(speeds)) / FPS, TURN)
+    one, two = (np.median(distance(fitted_phase(speeds, FPS, interval_seconds=s), true, TURN)) for s in (1.0, 2.0))
+    assert two < 0.1 * TURN and two < one
+
+
+def test_one_frame_of_a_broken_capture_does_not_decide():
+    """Speeds count as 10 m/s at most."""
+    speeds = swings(1.2)
+    broken = speeds.copy()
+    broken[100, 0] = 1e4
+    assert np.median(distance(fitted_phase(broken, FPS), fitted_phase(speeds, FPS), TURN)) < 0.01 * TURN
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2, 300])
+def test_without_motion_the_fitted_phase_is_zero(frames):
+    assert (fitted_phase(np.full((frames, 2), 0.05), FPS) == np.zeros(frames)).all()
+
+
+def test_a_rest_in_a_walk_leaves_the_fitted_phase_defined():
+    rest = np.concatenate([swings(1.0), np.zeros((240, 2)), swings(1.0)])
+    phase = np.unwrap(fitted_phase(rest, FPS))
+    assert (np.diff(phase) > 0).all() and phase[-1] - phase[0] > 10 * TURN
+
+
+@given(seed=st.integers(0, 10_000), frames=st.integers(1, 400), fps=st.sampled_from([24.0, 60.0, 240.0]))
+def test_any_speeds_give_a_fitted_phase_that_is_defined_and_never_runs_backwards(seed, frames, fps):
+    speeds = np.abs(np.random.default_rng(seed).normal(size=(frames, 2))).cumsum(axis=0) % 3
+    phase = fitted_phase(speeds, fps)
+    assert ((phase >= 0) & (phase < TURN)).all()
+    assert (wrap(np.diff(phase), TURN) < np.pi).all()
 
 
 @given(value=st.floats(-1e3, 1e3), period=st.sampled_from([1.0, TURN]))
