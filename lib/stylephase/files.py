@@ -65,7 +65,13 @@ def read_json(path: str | Path) -> Any:
 
 def write_arrays(path: str | Path, **arrays: np.ndarray) -> None:
     """Write an uncompressed npz, whole or not at all."""
-    with replacing(path) as temporary, open(temporary, "wb") as handle:
+    with replacing(path) as temporary:
+        save_arrays(temporary, arrays)
+
+
+def save_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    """Write an uncompressed npz to a path that is a temporary one."""
+    with open(path, "wb") as handle:
         np.savez(handle, allow_pickle=False, **arrays)
 
 

@@ -1,5 +1,7 @@
 """Read local and global phases from BVH files."""
 
+from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,7 +12,7 @@ from tqdm import tqdm
 from stylephase.cli.output import AsJson, emit
 from stylephase.data.registry import MIDDLE_CONTACT
 from stylephase.errors import InputError
-from stylephase.files import write_arrays
+from stylephase.files import replacing, save_arrays, write_arrays
 from stylephase.motion.bvh import read_bvh
 from stylephase.motion.contacts import ContactRule
 from stylephase.motion.skeleton import EFFECTOR_NAMES
@@ -55,9 +57,9 @@ def phases(
     names = None if effectors is None else [name.strip() for name in effectors.split(",")]
     stems = _stems(bvh)
     bar = tqdm(bvh, desc="phases", unit="file", disable=None if len(bvh) > 1 else True)
-    found = {stem: _read(path, (start, stop), names, rule, how, sources) for stem, path in zip(stems, bar, strict=True)}
-    written = _write(out, found)
-    rows = [_row(path, stem, file, found[stem]) for path, (stem, file) in zip(bvh, written.items(), strict=True)]
+    takes = (_read(path, (start, stop), names, rule, how, sources) for path in bar)
+    write = _into_one_file if out.suffix == _NPZ else _into_a_folder
+    rows = [_row(path, *written) for path, written in zip(bvh, write(out, stems, takes), strict=True)]
     text = "\n".join(f"{row['bvh']}: {row['frames']} frames at {row['fps']:g} fps in {row['out']}" for row in rows)
     emit(
         {"variant": variant_name, "sources": sources, "contact": vars(rule), "files": rows}, as_json=as_json, text=text
@@ -94,20 +96,31 @@ def _read(
         raise InputError(error.reason, path) from error
 
 
-def _write(out: Path, found: dict[str, TakePhases]) -> dict[str, Path]:
-    """Write the phases, and say for each stem into which file; nothing is written before all files are read."""
-    if out.suffix != _NPZ:
-        places = {stem: out / f"{stem}{_NPZ}" for stem in found}
-        for stem, path in places.items():
-            write_arrays(path, **found[stem].arrays())
-        return places
+# Stem, file and phases of what has been read.
+_Written = tuple[str, Path, TakePhases]
+
+
+def _into_a_folder(out: Path, stems: list[str], takes: Iterator[TakePhases]) -> Iterator[_Written]:
+    """One file for each take, written as it comes, so that memory holds one; all take their names at the end."""
+    with ExitStack() as files:
+        for stem in stems:
+            path = out / f"{stem}{_NPZ}"
+            # The place is taken after the reading, so that a first file that is no good leaves not even a folder.
+            take = next(takes)
+            save_arrays(files.enter_context(replacing(path)), take.arrays())
+            yield stem, path, take
+
+
+def _into_one_file(out: Path, stems: list[str], takes: Iterator[TakePhases]) -> Iterator[_Written]:
+    """All takes in one file, held in memory until the last one is read."""
+    found = dict(zip(stems, takes, strict=True))
     arrays = {
         name if len(found) == 1 else f"{stem}/{name}": values
         for stem, take in found.items()
         for name, values in take.arrays().items()
     }
     write_arrays(out, **arrays)
-    return dict.fromkeys(found, out)
+    yield from ((stem, out, take) for stem, take in found.items())
 
 
 def _row(path: Path, stem: str, out: Path, take: TakePhases) -> dict[str, Any]:

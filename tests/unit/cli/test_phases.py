@@ -173,3 +173,12 @@ def test_earlier_phases_stay_when_the_new_ones_fail(phases, walking, out):
     before = out.read_bytes()
     assert phases(walking, "missing.bvh", "--out", out)[0] == 2
     assert out.read_bytes() == before
+
+
+def test_a_file_that_is_no_good_among_others_leaves_nothing_of_any(phases, walking, tmp_path):
+    """Files go out one by one, and take their names only when all are read."""
+    broken = tmp_path / "broken.bvh"
+    broken.write_text(walking.read_text()[:-400])
+    status, printed, line = phases(walking, broken, "--out", tmp_path / "many")
+    assert (status, printed) == (2, "") and "broken.bvh" in line and line.count("\n") == 1
+    assert list((tmp_path / "many").iterdir()) == []
