@@ -1,0 +1,1 @@
+"""Timings, each against a reference that is measured in the same run."""
