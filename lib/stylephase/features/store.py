@@ -100,14 +100,16 @@ def _safe(name: str) -> str:
 
 
 def _key(catalogue: Catalogue) -> str:
-    """Hash of the data and of the source that makes vectors from it, so that the cache is never stale."""
+    """Hash of the data, what the registry says of them, and the source that makes vectors, so that none is stale."""
     if catalogue.dataset.name.startswith(OWN):
         data = "\n".join(f"{sha256(entry.path)} {entry.style}/{entry.path.name}" for entry in catalogue.entries)
     else:
         data = fetch(catalogue.dataset).name
+    dataset = catalogue.dataset
+    told = repr((dataset.contact, sorted(dataset.contact_free.items()), dataset.fps, dataset.metres_per_unit))
     library = Path(stylephase.__file__).parent
     sources = [path for pattern in _SOURCES for path in sorted(library.glob(pattern))]
-    return hashlib.sha256(data.encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()
+    return hashlib.sha256((data + told).encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()
 
 
 def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> StyleVectors:
