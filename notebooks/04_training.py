@@ -192,12 +192,9 @@ Markdown(
 
 # %%
 slowest, fastest = judged.stop_range(results)
-dropout_cost = "dropout costs accuracy and buys use of the style code; probably a matter of rates and steps"
 notes = {
-    "ours-training-minutes": "one run on one core; two ran side by side, with other work, in 37 minutes",
-    "ours-training-seeds": "trained on phases of a coarser frequency search than is tested on: half a percent apart",
-    "ours-onestep-hold-set2": dropout_cost,
-    "ours-onestep-mean-set2": dropout_cost,
+    "ours-training-minutes": "one run uses one core; two ran side by side, with much other work, in 38 minutes",
+    "ours-rollout-bone-worst": "one walk of 44, the tired one of seed 1, whose steering asks for more than it can do",
     "ours-rollout-style-all": "the styles missed are of set 1, half a minute of each; they come out too moderate",
     "ours-rollout-stop": "no standing frames in the data: characters slow down and walk on",
     "ours-rollout-old-walks-old": "judged by eye: bent knees, stooped back, head down, short steps, as in the data",
