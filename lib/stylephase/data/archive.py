@@ -170,13 +170,13 @@ def _download(archive: Archive) -> Path:
 
 
 def unpack(path: Path, folder: Path) -> None:
-    """Unpack a tar or zip archive into `folder`.
+    """Unpack a tar or zip archive, or NumPy's npz, which is a zip of arrays, into `folder`.
 
     Raises InputError: no archive, cut off, or a member that is unsafe: an absolute path, a way out of the folder,
     a link out of it, a device, or more than the bounds of size and number.
     """
     try:
-        if path.suffix == ".zip":
+        if path.suffix in (".zip", ".npz"):
             _unpack_zip(path, folder)
         else:
             _unpack_tar(path, folder)
