@@ -1,0 +1,69 @@
+"""Rows of the performance table, and how rivals are timed beside each other."""
+
+import gc
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure of ours beside its reference, in `unit`, and what was wanted of both.
+
+    The bounds are of our figure (`most`, `least`) and of its ratio to the reference (`ratio_most`, `ratio_least`).
+    """
+
+    name: str
+    ours: float
+    reference: float
+    unit: str
+    most: float | None = None
+    ratio_most: float | None = None
+    ratio_least: float | None = None
+    note: str = ""
+
+    @property
+    def ratio(self) -> float:
+        """Ours over the reference."""
+        return self.ours / self.reference
+
+    @property
+    def target(self) -> str:
+        """What was wanted, in words; empty where nothing was."""
+        wanted = {"at most": self.most, "ratio at most": self.ratio_most, "ratio at least": self.ratio_least}
+        return ", ".join(f"{words} {value:g}" for words, value in wanted.items() if value is not None)
+
+    @property
+    def met(self) -> bool:
+        """Whether every bound holds."""
+        off = [value - bound for value, bound in ((self.ours, self.most), (self.ratio, self.ratio_most)) if bound]
+        return all(excess <= 0 for excess in off) and (self.ratio_least is None or self.ratio >= self.ratio_least)
+
+
+def interleaved(rivals: Mapping[str, Callable[[], object]], *, rounds: int, each: int) -> dict[str, float]:
+    """Median time (s) of each rival. They take turns, `each` calls at a time: a busy machine slows all alike."""
+    times = {name: list[float]() for name in rivals}
+    gc.collect()
+    for _ in range(rounds):
+        for name, run in rivals.items():
+            run()
+            for _ in range(each):
+                before = time.perf_counter()
+                run()
+                times[name].append(time.perf_counter() - before)
+    return {name: float(np.median(taken)) for name, taken in times.items()}
+
+
+@contextmanager
+def threads(count: int) -> Iterator[None]:
+    """Let torch use so many threads in the block."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(count)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
