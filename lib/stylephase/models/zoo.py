@@ -91,13 +91,21 @@ def build(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> 
     """
     if name == "lpn-film":
         return LpnFilm(widths.inputs, widths.pose, widths.gate, widths.outputs, settings)
+    synthesis = build_synthesis(name, widths, styles, settings)
+    filmed = model(name).modulator == "film"
+    return StyledNetwork(synthesis, FilmGenerator(widths.pose, settings.units, settings.generator) if filmed else None)
+
+
+def build_synthesis(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> Synthesis:
+    """The same without a generator: what runs a character. Raises InputError for an unknown name."""
     parts = model(name)
     if parts.backbone == "pfnn":
         settings = replace(settings, experts=POINTS)
     modulator = _modulator(parts.modulator, styles, settings)
-    synthesis = _synthesis(parts, widths, modulator, settings)
-    filmed = parts.modulator == "film"
-    return StyledNetwork(synthesis, FilmGenerator(widths.pose, settings.units, settings.generator) if filmed else None)
+    if parts.backbone == "pfnn":
+        make = decomposed_layer if parts.decomposed else None
+        return Pfnn(widths.inputs, widths.outputs, settings, modulator, make)
+    return SynthesisNetwork(widths.inputs, widths.gate, widths.outputs, settings, modulator)
 
 
 def _modulator(kind: str, styles: int, settings: NetworkSettings) -> Modulator:
@@ -108,13 +116,6 @@ def _modulator(kind: str, styles: int, settings: NetworkSettings) -> Modulator:
     if kind == "onehot":
         return OneHot(styles, settings.experts, settings.units)
     return adapters(kind, styles, settings.units)
-
-
-def _synthesis(parts: Model, widths: Widths, modulator: Modulator, settings: NetworkSettings) -> Synthesis:
-    if parts.backbone == "pfnn":
-        make = decomposed_layer if parts.decomposed else None
-        return Pfnn(widths.inputs, widths.outputs, settings, modulator, make)
-    return SynthesisNetwork(widths.inputs, widths.gate, widths.outputs, settings, modulator)
 
 
 def velocity_columns(body: Body) -> list[int]:

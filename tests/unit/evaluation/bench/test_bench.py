@@ -6,8 +6,10 @@ import pytest
 
 from stylephase.cli import app
 from stylephase.evaluation.bench import frames, table, training
+from stylephase.evaluation.bench.models import frame_times
 from stylephase.evaluation.bench.rows import Row, interleaved
 from stylephase.models.lpn import NetworkSettings
+from stylephase.models.zoo import MODELS, Widths
 
 
 def test_a_row_has_a_ratio_and_knows_whether_its_bounds_hold():
@@ -63,3 +65,9 @@ def test_the_command_prints_each_row(monkeypatch, capsys):
     with pytest.raises(SystemExit) as end:
         app.main(["bench", "--only", "none"])
     assert end.value.code == 2 and "there are made" in capsys.readouterr().err
+
+
+def test_every_model_has_a_time():
+    widths = {name: Widths(20, 1, 18, 12) for name in MODELS}
+    found = frame_times(widths, styles=3, runs=2, each=1, settings=NetworkSettings(experts=2, units=8, gating_units=4))
+    assert found.keys() == MODELS.keys() and all(mean > 0 and spread >= 0 for mean, spread in found.values())
