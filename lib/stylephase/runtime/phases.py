@@ -39,8 +39,9 @@ class StoredPfnn:
         self.phases, self.modulator = phases, network.modulator
         self.gates = catmull_rom(torch.arange(phases) * (2 * math.pi / phases))
         self.layers = [StoredLayer(layer, self.gates) for layer in network.layers]
-        adapted = isinstance(network.modulator, Adapters)
-        self.adapter = StoredLayer(network.modulator.adapters[style], self.gates) if adapted else None
+        self.adapter = None
+        if isinstance(network.modulator, Adapters):
+            self.adapter = StoredLayer(network.modulator.adapters[style], self.gates)
 
     def __call__(
         self, x: Float[Tensor, "rows inputs"], phase: float, code: Float[Tensor, "rows values"]
