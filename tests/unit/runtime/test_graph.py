@@ -7,7 +7,8 @@ import onnx
 import pytest
 import torch
 
-from stylephase.evaluation.bench.frames import NumpyNetwork, made_bundle
+from stylephase.evaluation.bench.frames import made_bundle
+from stylephase.evaluation.bench.plain import NumpyNetwork
 from stylephase.models.bundle import Bundle
 from stylephase.models.lpn import NetworkSettings
 from stylephase.runtime.controller import Controller, ControllerSettings, start_state
