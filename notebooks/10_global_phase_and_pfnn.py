@@ -33,7 +33,7 @@ from stylephase.evaluation.labels import (
     stance_shares,
     steady_phase,
 )
-from stylephase.models.spline import CONTROL_POINTS, catmull_rom
+from stylephase.models.spline import POINTS, catmull_rom
 from stylephase.motion.clip import forward_kinematics, velocities
 from stylephase.motion.contacts import ContactRule, foot_contacts
 from stylephase.motion.synthetic import STYLES, find_style, walk
@@ -440,7 +440,7 @@ if labelled:
     judge("m18-phase-label", max(found["from contacts"]) <= 0.15, note, value=found["from contacts"], n=frames)
     note = "contacts are found from foot speed, and nobody cleans them: the phase lies as near to hand labels as these "
     judge("m18-phase-semi-automatic", False, note + "to each other")
-    recorder.claim("m18-eq1-spline", value=CONTROL_POINTS, verdict=REPRODUCED, n=len(INDICES) * len(PARTS))
+    recorder.claim("m18-eq1-spline", value=POINTS, verdict=REPRODUCED, n=len(INDICES) * len(PARTS))
     recorder.claim("ours-spline-release", value=float(f"{worst['spline']:.1e}"), n=len(INDICES) * len(PARTS))
     recorder.claim("ours-spline-linear", value=round(worst["lines"], 3), n=len(INDICES) * len(PARTS))
     recorder.claim("ours-label-median", value=medians, n=frames)

@@ -19,13 +19,14 @@ class ExpertLayer(nn.Module):
     """An affine layer with one set of weights per expert.
 
     `weight` is (experts, inputs, outputs), `bias` (experts, outputs). Drawn by Glorot's rule per expert, bias 0.
+    With `biased` False there are no biases, and the layer is linear.
     """
 
-    def __init__(self, experts: int, inputs: int, outputs: int):
+    def __init__(self, experts: int, inputs: int, outputs: int, *, biased: bool = True):
         super().__init__()
         bound = math.sqrt(6.0 / (inputs + outputs))
         self.weight = nn.Parameter(torch.empty(experts, inputs, outputs).uniform_(-bound, bound))
-        self.bias = nn.Parameter(torch.zeros(experts, outputs))
+        self.bias = nn.Parameter(torch.zeros(experts, outputs)) if biased else None
 
     def forward(
         self, h: Float[Tensor, "rows inputs"], gate: Float[Tensor, "rows experts"]
@@ -33,7 +34,19 @@ class ExpertLayer(nn.Module):
         """Outputs of all experts, blended by the gate: the experts are stacked along the inputs, into one product."""
         cast = torch.get_autocast_dtype("cpu") if torch.is_autocast_enabled("cpu") else h.dtype
         spread = (gate.to(cast)[:, :, None] * h.to(cast)[:, None, :]).flatten(1)
-        return (spread @ self.weight.to(cast).flatten(0, 1)).to(h.dtype) + gate @ self.bias
+        product = (spread @ self.weight.to(cast).flatten(0, 1)).to(h.dtype)
+        return product if self.bias is None else product + gate @ self.bias
+
+    def plain(
+        self, h: Float[Tensor, "rows inputs"], gate: Float[Tensor, "rows experts"]
+    ) -> Float[Tensor, "rows outputs"]:
+        """The same in the form of the paper: each row blends its own weights, then applies them.
+
+        A row's weights are as large as an expert, so this is slow and needs much memory; it is here to compare with.
+        """
+        weight = torch.einsum("re,eio->rio", gate, self.weight)
+        product = torch.einsum("ri,rio->ro", h, weight)
+        return product if self.bias is None else product + gate @ self.bias
 
 
 class Gating(nn.Module):

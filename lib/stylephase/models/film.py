@@ -22,3 +22,11 @@ def split_code(code: Float[Tensor, "rows values"]) -> tuple[Tensor, Tensor, Tens
     """Scale and shift of the first and of the second hidden layer ([M22] Eq. 2), in the release's order."""
     scale1, shift1, scale2, shift2 = torch.chunk(code, 4, dim=-1)
     return scale1, shift1, scale2, shift2
+
+
+def film_in_training(
+    h: Float[Tensor, "rows units"], scale: Float[Tensor, "rows units"], shift: Float[Tensor, "rows units"]
+) -> Float[Tensor, "rows units"]:
+    """The same with the deviation that the release trained with: the sample's, plus 1e-6 ([M22] release 2)."""
+    deviation, mean = torch.std_mean(h, dim=-1, keepdim=True)
+    return functional.elu(shift + scale * (h - mean) / (deviation + 1e-6))

@@ -61,6 +61,11 @@ def load_released(folder: str | Path) -> Released:
     return Released(network.eval(), Normaliser(**statistics), torch.stack([_code(folder, n) for n in range(STYLES)]))
 
 
+def fetch_released() -> Released:
+    """The released parameters from the cache or the mirror; raises whatever `fetch` and `load_released` raise."""
+    return load_released(fetch(released_weights()[_NAME]) / _INSIDE)
+
+
 def style_names() -> tuple[str, ...]:
     """Names of the styles in the order of the release's codes."""
     names = sorted({entry.style for entry in published_entries()})
@@ -72,8 +77,7 @@ def release_bundle() -> Bundle:
 
     Raises InputError where the archives are not at hand, and whatever `fetch` and `load_released` raise.
     """
-    source = released_weights()[_NAME]
-    released = load_released(fetch(source) / _INSIDE)
+    source, released = released_weights()[_NAME], fetch_released()
     if where(dataset("100style")) == "download":
         raise InputError("the release walks on 100STYLE's skeleton; first run: stylephase data fetch 100style")
     body = body_of(load_catalogue("100style"))

@@ -1,5 +1,6 @@
 """The controller: one frame after the other, from what the user wants to where the joints are ([M22] 4.4)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +14,9 @@ from stylephase.models.bundle import Bundle
 from stylephase.motion.root import Root, rotate_to_local, to_local
 from stylephase.motion.rotations import from_axes
 from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_samples, on_ground, samples_of, steer
+
+# From x and p in metres, and codes, to y in metres.
+Predict = Callable[[Float[ndarray, "rows inputs"], Float[ndarray, "rows 8"], Float[ndarray, "rows values"]], ndarray]
 
 
 @dataclass(frozen=True)
@@ -80,16 +84,27 @@ def start_state(x: Float[ndarray, "characters inputs"], p: Float[ndarray, "chara
 
 
 class Controller:
-    """Drives any number of characters with one network, each with a style code of its own."""
+    """Drives any number of characters with one network, each with a style code of its own.
 
-    def __init__(self, bundle: Bundle, codes: Float[Tensor, "characters values"], settings: ControllerSettings):
-        self.layout, self.settings, self.codes = bundle.body.layout, settings, codes
+    `fast` takes the place of the bundle's network, such as the same as an ONNX graph (graph.py).
+    """
+
+    def __init__(
+        self,
+        bundle: Bundle,
+        codes: Float[Tensor, "characters values"],
+        settings: ControllerSettings,
+        fast: Predict | None = None,
+    ):
+        self.layout, self.settings, self.codes, self.fast = bundle.body.layout, settings, codes, fast
         self.network = bundle.network.synthesis.eval()
         n = bundle.normaliser
         self.scales = {"x": (n.x_mean, n.x_std), "p": (n.p_mean, n.p_std), "y": (n.y_mean, n.y_std)}
 
     def predict(self, x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"]) -> ndarray:
         """The network's outputs y for inputs in metres."""
+        if self.fast is not None:
+            return self.fast(x, p, self.codes.numpy()).astype(float)
         scaled = [
             torch.from_numpy((v - self.scales[k][0]) / self.scales[k][1]).float() for k, v in (("x", x), ("p", p))
         ]

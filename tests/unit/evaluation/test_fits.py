@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stylephase.data.catalogue import cut_frames, load_catalogue, load_clip
-from stylephase.evaluation.bench.phases import fit_rows, rates
+from stylephase.evaluation.bench.phases import fit_rows
 from stylephase.evaluation.evolution import evolve
 from stylephase.evaluation.fits import STARTS, at_frames, curve_fits, windows_of
 from stylephase.motion.clip import forward_kinematics
@@ -109,15 +109,9 @@ def test_the_search_keeps_the_bounds_and_its_seed(frozen):
     assert (one.offset >= inner.min(axis=1) - 1e-9).all() and (one.offset <= inner.max(axis=1) + 1e-9).all()
 
 
-def test_rates_count_what_is_done():
-    done = []
-    found = rates({"a": (10, lambda: done.append("a")), "b": (20, lambda: done.append("b"))}, turns=3)
-    assert done == ["a", "b"] * 3 and set(found) == {"a", "b"} and min(found.values()) > 0
-
-
 def test_the_closed_form_is_a_hundred_times_as_fast_as_the_solver():
     """A loose bound, for busy machines; the table of performance has the figures."""
     rows = {row.name: row for row in fit_rows(np.tile(sources()[:, 2], 10), slow=12)}
-    assert len(rows) == 4
-    one, two = (rows[f"sinusoids fitted, against bounded curve_fit, {n}"].ratio for n in ("one start", "two starts"))
-    assert one and two and one > 50 and two > one
+    assert len(rows) == 3
+    one, two = (rows[f"sinusoids fitted, bounded curve_fit, {n}"].ratio for n in ("one start", "two starts"))
+    assert one > 50 and two > one

@@ -34,6 +34,19 @@ def test_it_equals_weights_that_are_blended_for_each_row_first(layer):
     torch.testing.assert_close(layer(h, gate), blended_first(layer, h, gate), atol=1e-10, rtol=0)
 
 
+def test_the_plain_form_kept_for_comparison_is_the_papers(layer):
+    h, gate = rows(7, 5), torch.softmax(rows(7, 3, seed=2), dim=1)
+    torch.testing.assert_close(layer.plain(h, gate), blended_first(layer, h, gate), atol=1e-10, rtol=0)
+
+
+def test_without_biases_it_is_linear(layer):
+    h, gate = rows(7, 5), torch.softmax(rows(7, 3, seed=2), dim=1)
+    linear = ExpertLayer(3, 5, 4, biased=False).double()
+    assert [name for name, _ in linear.named_parameters()] == ["weight"]
+    torch.testing.assert_close(linear(2 * h, gate), 2 * linear(h, gate))
+    torch.testing.assert_close(linear.plain(h, gate), linear(h, gate))
+
+
 @pytest.mark.parametrize("expert", range(3))
 def test_a_gate_of_one_expert_gives_that_expert(layer, expert):
     h = rows(7, 5)

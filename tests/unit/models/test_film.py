@@ -5,7 +5,7 @@ import math
 import torch
 from torch.nn import functional
 
-from stylephase.models.film import film, split_code
+from stylephase.models.film import film, film_in_training, split_code
 
 
 def rows(*shape: int) -> torch.Tensor:
@@ -35,6 +35,13 @@ def test_a_scale_of_nothing_leaves_the_shift():
     """The scale is plain, not 1 + scale."""
     h, shift = rows(4, 8), rows(4, 8) + 3
     torch.testing.assert_close(film(h, torch.zeros_like(h), shift), functional.elu(shift))
+
+
+def test_the_form_of_the_training_has_the_deviation_of_the_sample():
+    """n - 1 for n, so normalised values are smaller by that root; the difference vanishes with width."""
+    h, one, zero = 5 + 3 * rows(6, 40), torch.ones(6, 40).double(), torch.zeros(6, 40).double()
+    smaller = film(h, (39 / 40) ** 0.5 * one, zero)
+    torch.testing.assert_close(film_in_training(h, one, zero), smaller, atol=1e-5, rtol=0)
 
 
 def test_equal_units_give_finite_values_and_gradients():

@@ -1,67 +1,62 @@
-"""The phase function of a PFNN: Equation 1, cyclic, meeting its control points, and what trained weights follow."""
+"""The phase function is the cyclic cubic Catmull-Rom spline of Eq. 1 of [M18]."""
 
-import numpy as np
+import math
+
 import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stylephase.data.archive import fetch
-from stylephase.data.registry import released_weights
-from stylephase.models.spline import CONTROL_POINTS, catmull_rom
+from stylephase.models.experts import ExpertLayer
+from stylephase.models.spline import POINTS, SplineGate, catmull_rom
 
-TURN = 2 * np.pi
-
-
-def coefficients(*phases: float) -> np.ndarray:
-    return catmull_rom(torch.tensor(phases, dtype=torch.float64)).numpy()
+PHASES = torch.linspace(0, 2 * math.pi, 101, dtype=torch.float64)
 
 
-def test_at_each_quarter_one_control_point_speaks_alone():
-    assert np.allclose(coefficients(*(k * TURN / CONTROL_POINTS for k in range(4))), np.eye(4), atol=1e-12)
+def written_out(points: list[float], p: float) -> float:
+    """Eq. 1 as it is printed, for control points that are numbers."""
+    quarters = 4 * p / (2 * math.pi)
+    d = quarters % 1
+    a0, a1, a2, a3 = (points[(math.floor(quarters) + n - 1) % 4] for n in range(4))
+    value = a1 + d * (a2 / 2 - a0 / 2) + d**2 * (a0 - 5 / 2 * a1 + 2 * a2 - a3 / 2)
+    return value + d**3 * (3 / 2 * a1 - 3 / 2 * a2 + a3 / 2 - a0 / 2)
 
 
-def test_between_two_control_points_it_is_the_cubic_of_the_paper():
-    """Half-way the coefficients are -1/16, 9/16, 9/16, -1/16, as Equation 1 gives for d = 1/2."""
-    assert np.allclose(coefficients(TURN / 8)[0], [9 / 16, 9 / 16, -1 / 16, -1 / 16])
-    assert np.allclose(coefficients(TURN * 7 / 8)[0], [9 / 16, -1 / 16, -1 / 16, 9 / 16])
+@given(st.floats(-20, 20), st.lists(st.floats(-5, 5), min_size=4, max_size=4))
+def test_it_is_equation_1(p, points):
+    ours = catmull_rom(torch.tensor(p, dtype=torch.float64)) @ torch.tensor(points, dtype=torch.float64)
+    # Where a quarter begins, rounding may take either of two pieces that meet there.
+    assert float(ours) == pytest.approx(written_out(points, p), abs=1e-9)
 
 
-@given(phase=st.floats(-50, 50))
-def test_any_phase_gives_four_coefficients_of_sum_1_that_repeat_after_a_turn(phase):
-    here, later = coefficients(phase, phase + TURN)
-    assert here.sum() == pytest.approx(1)
-    assert np.allclose(here, later, atol=1e-9)
+def test_it_passes_through_the_control_points():
+    quarters = torch.arange(POINTS, dtype=torch.float64) * math.pi / 2
+    torch.testing.assert_close(catmull_rom(quarters), torch.eye(4, dtype=torch.float64), atol=1e-12, rtol=0)
 
 
-@given(phase=st.floats(0, 10))
-def test_a_quarter_of_the_cycle_on_the_next_control_point_takes_over(phase):
-    here, on = coefficients(phase, phase + TURN / 4)
-    assert np.allclose(np.roll(here, 1), on, atol=1e-9)
+def test_its_coefficients_add_to_one():
+    torch.testing.assert_close(catmull_rom(PHASES).sum(dim=-1), torch.ones_like(PHASES))
 
 
-def test_value_and_slope_have_no_jump():
-    phases = np.linspace(0, TURN, 4001)
-    slopes = np.diff(coefficients(*phases), axis=0) / np.diff(phases)[:, None]
-    assert np.abs(np.diff(slopes, axis=0)).max() < 0.01
+def test_it_is_cyclic_and_smooth_where_it_closes():
+    torch.testing.assert_close(catmull_rom(PHASES + 2 * math.pi), catmull_rom(PHASES), atol=1e-12, rtol=0)
+    step = 1e-5
+    at = torch.tensor([-step, 0, step], dtype=torch.float64)
+    before, here, after = catmull_rom(at)
+    torch.testing.assert_close(here - before, after - here, atol=1e-9, rtol=0)
 
 
-def test_gradients_reach_the_phase_and_types_are_kept():
-    phase = torch.tensor([0.3, 4.0], requires_grad=True)
-    out = catmull_rom(phase)
-    out[:, 0].sum().backward()
-    assert out.dtype == torch.float32 and phase.grad is not None and (phase.grad != 0).all()
+def test_its_slope_is_that_of_small_differences():
+    phase = (PHASES + 0.01).requires_grad_()
+    (slope,) = torch.autograd.grad(catmull_rom(phase)[:, 1].sum(), phase)
+    small = (catmull_rom(phase + 1e-6) - catmull_rom(phase - 1e-6))[:, 1] / 2e-6
+    torch.testing.assert_close(slope, small.detach(), atol=1e-7, rtol=0)
 
 
-def test_the_weights_of_a_trained_pfnn_follow_it(mirror, cache, monkeypatch):
-    """Raw weights of Holden's release at five of its fifty phases; straight lines miss them by far."""
-    monkeypatch.setenv("STYLEPHASE_MIRROR", str(mirror))
-    folder = fetch(released_weights()["pfnn-release"])
-    for part in ("b0", "b1", "b2", "W2"):
-        points = np.load(folder / f"{part}.npy").astype(float)
-        for index in (0, 7, 13, 29, 41):
-            raw = np.load(folder / f"raw_{part}_{index:03d}.npy")
-            assert np.abs(np.tensordot(coefficients(TURN * index / 50)[0], points, 1) - raw).max() <= 3e-6
-        start, share = divmod(4 * 7 / 50, 1)
-        lines = points[int(start)] * (1 - share) + points[int(start) + 1] * share
-        assert np.abs(lines - np.load(folder / f"raw_{part}_007.npy")).max() > 1e-3
+def test_as_a_gate_it_blends_the_control_points_of_a_layer():
+    torch.manual_seed(0)
+    layer, h = ExpertLayer(POINTS, 5, 3).double(), torch.randn(POINTS, 5, dtype=torch.float64)
+    phase = torch.arange(POINTS, dtype=torch.float64)[:, None] * math.pi / 2
+    expected = torch.stack([h[k] @ layer.weight[k] for k in range(POINTS)])
+    torch.testing.assert_close(layer(h, SplineGate()(phase)), expected)
+    assert not list(SplineGate().parameters())

@@ -84,7 +84,7 @@ def test_one_generator_pass_serves_several_steps_and_learns_from_their_mean(monk
         run = tiny.trainer(**rates)
         batch = run.sampler.draw_frames(run.sampler.draw_styles(2), 8)
         monkeypatch.setattr(run.sampler, "draw_frames", lambda chosen, frames, same=batch: same)
-        for module in ("lpn", "experts"):
+        for module in ("synthesis", "experts"):
             monkeypatch.setattr(f"stylephase.models.{module}.dropout", lambda h, rate, training: h)
         torch.manual_seed(3)
         run.round()

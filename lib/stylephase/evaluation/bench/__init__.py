@@ -1,1 +1,1 @@
-"""Timings, each against a reference that is measured in the same run."""
+"""The performance table: every figure beside its reference, measured in the same run."""

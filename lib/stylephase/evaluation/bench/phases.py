@@ -1,18 +1,17 @@
 """How fast phases are read: the closed form against general solvers, and the whole of 100STYLE.
 
-Times are those of the processor, not of the clock, so that another program beside this one counts little; all
-measurements of a row are taken in turns.
+Times are those of the processor, not of the clock, so that another program beside this one counts little; rivals take
+turns.
 """
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from time import process_time
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.evaluation.bench.row import Row
+from stylephase.evaluation.bench.rows import Row, interleaved
 from stylephase.evaluation.evolution import evolve
 from stylephase.evaluation.fits import STARTS, curve_fits, windows_of
 from stylephase.features.layout import FPS
@@ -29,8 +28,8 @@ _FRAMES, _EFFECTORS = 4_000_000, 4
 # Styles of the walker that are read, for so long each (s), as long as a take of 100STYLE.
 _STYLES, _SECONDS = ("Plain", "OffbeatArms", "StoopedOver"), 60.0
 _CONTACT = ContactRule(speed=0.03, height=0.02)
-# Windows that the slow references fit, and turns of which the median counts.
-_SLOW, _TURNS = 60, 5
+# Windows that the slow references fit, and rounds of which the median counts.
+_SLOW, _ROUNDS = 60, 3
 _RATE = "windows/s of one core"
 
 
@@ -45,34 +44,22 @@ def _take(name: str) -> Movement:
     return movement_of(forward_kinematics(clip), clip.skeleton, FPS, _CONTACT)
 
 
-def rates(work: dict[str, tuple[int, Callable[[], object]]], turns: int = _TURNS) -> dict[str, float]:
-    """Units of work a second of processor time, the median over some turns in which each is done once."""
-    seconds: dict[str, list[float]] = {name: [] for name in work}
-    for _ in range(turns):
-        for name, (_, do) in work.items():
-            before = process_time()
-            do()
-            seconds[name].append(process_time() - before)
-    return {name: units / max(float(np.median(seconds[name])), 1e-9) for name, (units, _) in work.items()}
-
-
 def fit_rows(signal: Float[ndarray, " frames"], fps: float = FPS, *, slow: int = _SLOW) -> list[Row]:
     """Windows fitted a second without neighbours: ours against SciPy's solver and the evolutionary search."""
     few = windows_of(signal, np.linspace(0, len(signal) - 1, slow).astype(int), fps)
     short = signal[: 4 * slow]
-    found = rates(
-        {
-            "ours": (len(signal), partial(fit_sinusoids, signal, fps, rounds=0)),
-            "bounded curve_fit, one start": (slow, partial(curve_fits, few, STARTS[:1])),
-            "bounded curve_fit, two starts": (slow, partial(curve_fits, few, STARTS)),
-            "evolutionary search": (len(short), lambda: evolve(short, fps, np.random.default_rng(0), coupled=False)),
-        }
-    )
-    ours, targets = found.pop("ours"), (">= 150 times", ">= 300 times", "")
-    rows = [Row("sinusoids fitted", ours, None, None, _RATE, ">= 60,000")]
-    return rows + [
-        Row(f"sinusoids fitted, against {name}", ours, rate, ours / rate, _RATE, target)
-        for (name, rate), target in zip(found.items(), targets, strict=True)
+    work = {
+        "ours": (len(signal), partial(fit_sinusoids, signal, fps, rounds=0)),
+        "bounded curve_fit, one start": (slow, partial(curve_fits, few, STARTS[:1])),
+        "bounded curve_fit, two starts": (slow, partial(curve_fits, few, STARTS)),
+        "evolutionary search": (len(short), lambda: evolve(short, fps, np.random.default_rng(0), coupled=False)),
+    }
+    seconds = interleaved({name: run for name, (_, run) in work.items()}, rounds=_ROUNDS, each=1)
+    rates = {name: count / max(seconds[name], 1e-9) for name, (count, _) in work.items()}
+    ours, bounds = rates.pop("ours"), (150.0, 300.0, None)
+    return [
+        Row(f"sinusoids fitted, {name}", ours, rate, _RATE, least=60_000.0, ratio_least=bound)
+        for (name, rate), bound in zip(rates.items(), bounds, strict=True)
     ]
 
 
@@ -80,17 +67,17 @@ def whole_rows(movements: Sequence[Movement]) -> list[Row]:
     """Minutes of one core for all phases of 100STYLE, by what some takes need; the search for one coupled fit only."""
     frames = sum(len(movement.places) for movement in movements)
     source = _source(movements[0], variant("release"))[: 4 * _SLOW]
-    work: dict[str, tuple[int, Callable[[], object]]] = {
-        name: (frames, partial(_read, movements, variant(name))) for name in ("release", "adaptive")
+    work: dict[str, Callable[[], object]] = {
+        name: partial(_read, movements, variant(name)) for name in ("release", "adaptive")
     }
-    work["search"] = (len(source), lambda: evolve(source, FPS, np.random.default_rng(0)))
-    found = rates(work, turns=3)
-    search = _FRAMES * _EFFECTORS / found["search"] / 60
-    note = "extrapolated from the walker's takes; two cores halve it"
-    minutes = {name: _FRAMES / found[name] / 60 for name in ("release", "adaptive")}
+    work["search"] = lambda: evolve(source, FPS, np.random.default_rng(0))
+    seconds = interleaved(work, rounds=_ROUNDS, each=1)
+    search = seconds["search"] / len(source) * _FRAMES * _EFFECTORS / 60
+    note = "reference: one coupled fit by the search; extrapolated from the walker's takes; two cores halve it"
+    minutes = {name: seconds[name] / frames * _FRAMES / 60 for name in ("release", "adaptive")}
     return [
-        Row(f"phases of 100STYLE, {name}", own, search, search / own, "min of one core", target, note)
-        for (name, own), target in zip(minutes.items(), ("<= 12", ""), strict=True)
+        Row(f"phases of 100STYLE, {name}", own, search, "min of one core", most=bound, note=note)
+        for (name, own), bound in zip(minutes.items(), (12.0, None), strict=True)
     ]
 
 

@@ -1,0 +1,40 @@
+"""Write the network that runs a character as an ONNX file."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stylephase.cli.output import AsJson, emit
+from stylephase.errors import InputError
+from stylephase.files import replacing, write_arrays
+from stylephase.models.bundle import load_bundle
+from stylephase.models.released import release_bundle
+from stylephase.runtime.graph import to_onnx
+
+_RELEASE = "release"
+
+
+def export(
+    weights: Annotated[str, typer.Option(help="Folder of trained weights, or `release` for the authors' own.")],
+    onnx: Annotated[Path, typer.Option(help="FILE.onnx; the styles' codes go into FILE.npz beside it.")],
+    as_json: AsJson = False,
+) -> None:
+    """Write the run-time network: x and y in metres, phases and a style code in, the normalisation inside.
+
+    The codes of the styles are written beside it, by name. Weights of others keep their licence, which is noted in
+    the file.
+    """
+    if onnx.suffix != ".onnx":
+        raise InputError("expected a name that ends in .onnx", onnx)
+    bundle = release_bundle() if weights == _RELEASE else load_bundle(weights)
+    model = to_onnx(bundle)
+    with replacing(onnx) as temporary:
+        temporary.write_bytes(model.SerializeToString())
+    codes = onnx.with_suffix(".npz")
+    write_arrays(codes, **{style: code.numpy() for style, code in bundle.codes.items()})
+    layout, licence = bundle.body.layout, bundle.about.get("licence")
+    widths = {"x": layout.inputs, "phases": layout.phases, "code": 4 * bundle.settings.units, "y": layout.outputs}
+    result = {"onnx": onnx, "codes": codes, "styles": len(bundle.codes), "widths": widths, "licence": licence}
+    text = f"{onnx}: {', '.join(f'{name} {width}' for name, width in widths.items())}; {licence}\n{codes}: "
+    emit(result, as_json=as_json, text=text + f"codes of {len(bundle.codes)} styles")

@@ -1,0 +1,51 @@
+"""The time of the next frame for every model of both papers ([M22] Table 2, [M18] Table 1), on one thread."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from itertools import count
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from stylephase.evaluation.bench.rows import interleaved, threads
+from stylephase.models.pfnn import Pfnn
+from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.zoo import Widths, build_synthesis
+from stylephase.runtime.phases import StoredPfnn
+
+_ROUNDS = 6
+
+
+def frame_times(
+    widths: dict[str, Widths], *, styles: int, runs: int = 5, each: int = 10, settings: NetworkSettings | None = None
+) -> dict[str, tuple[float, float]]:
+    """Mean and deviation (ms) over some runs of each model's median time; the models take turns.
+
+    A PFNN has its phases stored, and the phase moves on from frame to frame, a cycle a second.
+    """
+    with threads(1), torch.inference_mode():
+        frames = {name: _frame(name, width, styles, settings or NetworkSettings()) for name, width in widths.items()}
+        taken = [interleaved(frames, rounds=_ROUNDS, each=each) for _ in range(runs)]
+    return {name: _spread([1000 * run[name] for run in taken]) for name in frames}
+
+
+def _spread(values: Sequence[float]) -> tuple[float, float]:
+    return float(np.mean(values)), float(np.std(values))
+
+
+def _frame(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> Callable[[], Tensor]:
+    """A call that computes one frame of a model drawn at random."""
+    torch.manual_seed(0)
+    network = build_synthesis(name, widths, styles, settings).eval()
+    values, x = network.modulator.values, torch.randn(1, widths.inputs)
+    code = torch.eye(values)[:1] if values == styles else torch.randn(1, values)
+    if isinstance(network, Pfnn):
+        stored, phases = StoredPfnn(network), _phases()
+        return lambda: stored(x, next(phases), code)
+    gate_input = torch.randn(1, widths.gate)
+    return lambda: network(x, gate_input, code)
+
+
+def _phases() -> Iterator[float]:
+    return (frame * 2 * math.pi / 60 for frame in count())

@@ -1,0 +1,1 @@
+"""Parameter and memory tables of both papers."""

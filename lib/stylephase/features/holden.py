@@ -1,0 +1,65 @@
+"""Names for the parts of the vectors of Holden et al. 2017, whose PFNN was released: 342 values in, 311 out.
+
+12 trajectory points, 10 frames apart from a second ago to 5/6 s ahead, and 31 joints. The input describes the
+trajectory about the present root, and the pose of the frame before about that frame's root; the output the pose of
+the present frame, the step of the root, and the future about the root after that step. Values come one kind at a
+time, not joint by joint. Metres, and metres a frame.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool
+from numpy import ndarray
+
+SAMPLES = tuple(range(-60, 60, 10))
+FUTURE_SAMPLES = tuple(range(0, 60, 10))
+JOINTS = 31
+INPUTS, OUTPUTS = 342, 311
+GAITS = ("stand", "walk", "jog", "crouch", "jump", "bump")
+_POINTS, _FUTURE, _POSE = len(SAMPLES), len(FUTURE_SAMPLES), 3 * JOINTS
+
+# Input. Places (x, then z, of all points), facings likewise, six gait labels at each point, then the joints, then the
+# height of the ground at each point (to the right, beneath, to the left).
+X_PLACES = slice(0, 2 * _POINTS)
+X_FACINGS = slice(X_PLACES.stop, 4 * _POINTS)
+X_GAITS = slice(X_FACINGS.stop, 10 * _POINTS)
+X_POSITIONS = slice(X_GAITS.stop, X_GAITS.stop + _POSE)
+X_VELOCITIES = slice(X_POSITIONS.stop, X_POSITIONS.stop + _POSE)
+X_GROUND = slice(X_VELOCITIES.stop, INPUTS)
+
+# Output. Step of the root (left, forward), its turn to the right (rad), change of phase (cycles), contacts of heel and
+# toe (left, right), the future, then positions, velocities and rotations (as logarithms) of the joints.
+Y_STEP = slice(0, 2)
+Y_TURN, Y_PHASE = 2, 3
+Y_CONTACTS = slice(4, 8)
+Y_PLACES = slice(8, 8 + 2 * _FUTURE)
+Y_FACINGS = slice(Y_PLACES.stop, 8 + 4 * _FUTURE)
+Y_POSITIONS = slice(Y_FACINGS.stop, Y_FACINGS.stop + _POSE)
+Y_VELOCITIES = slice(Y_POSITIONS.stop, Y_POSITIONS.stop + _POSE)
+Y_ROTATIONS = slice(Y_VELOCITIES.stop, OUTPUTS)
+
+# Joints of the 31 by role: hips, heads of the thighs' chains (left, right) and toes.
+HIPS, TOES = 0, (5, 10)
+# Columns of the contacts that are the toes' (right, left), the order of this library.
+TOE_CONTACTS = (3, 1)
+
+_X_LENGTHS = (X_PLACES, X_POSITIONS, X_VELOCITIES, X_GROUND)
+_Y_LENGTHS = (Y_STEP, Y_PLACES, Y_POSITIONS, Y_VELOCITIES)
+
+
+def x_lengths() -> Bool[ndarray, " inputs"]:
+    """Which values of the input have a unit of length."""
+    return _marked(INPUTS, _X_LENGTHS)
+
+
+def y_lengths() -> Bool[ndarray, " outputs"]:
+    """Which values of the output have a unit of length."""
+    return _marked(OUTPUTS, _Y_LENGTHS)
+
+
+def _marked(width: int, parts: Sequence[slice]) -> Bool[ndarray, " width"]:
+    marked = np.zeros(width, dtype=bool)
+    for part in parts:
+        marked[part] = True
+    return marked

@@ -1,0 +1,130 @@
+"""All networks of both papers by name, behind one interface: `synthesis(x, gate_input, code)`."""
+
+from dataclasses import dataclass, replace
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from stylephase.errors import InputError
+from stylephase.features.body import Body
+from stylephase.features.layout import Layout
+from stylephase.models.generator import FilmGenerator
+from stylephase.models.lpn import LpnFilm, SynthesisNetwork
+from stylephase.models.modulators import Film, Modulator, OneHot
+from stylephase.models.pfnn import Pfnn, adapters, decomposed_layer
+from stylephase.models.spline import POINTS
+from stylephase.models.synthesis import NetworkSettings, StyledNetwork, Synthesis
+
+_EFFECTORS = 4
+
+
+@dataclass(frozen=True)
+class Model:
+    """A backbone (`lpn`, `mann` or `pfnn`) and a modulator (`film`, `onehot`, an adapter of pfnn.py, or `none`)."""
+
+    backbone: str
+    modulator: str
+    decomposed: bool = False
+
+
+# The seven of [M22] Table 2, in its order.
+PAPER_2022 = {
+    "pfnn-onehot": Model("pfnn", "onehot"),
+    "lpn-onehot": Model("lpn", "onehot"),
+    "pfnn-resad": Model("pfnn", "cp-one-bias"),
+    "lpn-resad": Model("lpn", "static"),
+    "pfnn-film": Model("pfnn", "film"),
+    "mann-film": Model("mann", "film"),
+    "lpn-film": Model("lpn", "film"),
+}
+# The base network of [M18], its adapters of Table 1, and the network that is decomposed in whole (7.1).
+PAPER_2018 = {
+    "pfnn": Model("pfnn", "none"),
+    "pfnn-full": Model("pfnn", "full"),
+    "pfnn-diag": Model("pfnn", "diag"),
+    "pfnn-cp": Model("pfnn", "cp"),
+    "cp-pfnn": Model("pfnn", "none", decomposed=True),
+}
+MODELS = PAPER_2022 | PAPER_2018
+
+
+@dataclass(frozen=True)
+class Widths:
+    """Numbers of values: network input, gate input, network output, and the pose in a frame of a style clip."""
+
+    inputs: int
+    gate: int
+    outputs: int
+    pose: int = 0
+
+
+# [M18] 5.2: 12 trajectory points and 31 joints in, 6 points, 31 joints, phase and root motion out.
+WIDTHS_2018 = Widths(inputs=234, gate=1, outputs=400)
+
+
+def model(name: str) -> Model:
+    """The model's parts; raises InputError with the names there are."""
+    if name not in MODELS:
+        raise InputError(f"no model {name!r}; there are {', '.join(MODELS)}")
+    return MODELS[name]
+
+
+def widths_of(name: str, layout: Layout) -> Widths:
+    """Widths of a model on the vectors of [M22] 3.2: what the gate needs for the next frame is all that differs.
+
+    LPN predicts its phases and their update, PFNN the change of its global phase; MANN's velocities are in the pose.
+    """
+    without = layout.outputs - (layout.y_phase_updates.stop - layout.y_phases.start)
+    gate, extra = {
+        "lpn": (layout.phases, layout.outputs - without),
+        "mann": (3 * _EFFECTORS, 0),
+        "pfnn": (1, 1),
+    }[model(name).backbone]
+    return Widths(layout.inputs, gate, without + extra, layout.pose)
+
+
+def build(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> StyledNetwork:
+    """The model called `name`, untrained, for a number of styles (which FiLM does not ask for).
+
+    Raises InputError for an unknown name.
+    """
+    if name == "lpn-film":
+        return LpnFilm(widths.inputs, widths.pose, widths.gate, widths.outputs, settings)
+    synthesis = build_synthesis(name, widths, styles, settings)
+    filmed = model(name).modulator == "film"
+    return StyledNetwork(synthesis, FilmGenerator(widths.pose, settings.units, settings.generator) if filmed else None)
+
+
+def build_synthesis(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> Synthesis:
+    """The same without a generator: what runs a character. Raises InputError for an unknown name."""
+    parts = model(name)
+    if parts.backbone == "pfnn":
+        settings = replace(settings, experts=POINTS)
+    modulator = _modulator(parts.modulator, styles, settings)
+    if parts.backbone == "pfnn":
+        make = decomposed_layer if parts.decomposed else None
+        return Pfnn(widths.inputs, widths.outputs, settings, modulator, make)
+    return SynthesisNetwork(widths.inputs, widths.gate, widths.outputs, settings, modulator)
+
+
+def _modulator(kind: str, styles: int, settings: NetworkSettings) -> Modulator:
+    if kind == "none":
+        return Modulator()
+    if kind == "film":
+        return Film(settings.units)
+    if kind == "onehot":
+        return OneHot(styles, settings.experts, settings.units)
+    return adapters(kind, styles, settings.units)
+
+
+def velocity_columns(body: Body) -> list[int]:
+    """Columns of x that are MANN's gate input: velocities of hands and feet, in the order of the local phases."""
+    starts = [body.joints.index(joint) for joint in body.skeleton.roles.effectors]
+    first, per_joint = body.layout.x_pose.start, body.layout.pose // body.layout.joints
+    return [first + per_joint * joint + 9 + axis for joint in starts for axis in range(3)]
+
+
+def style_codes(network: StyledNetwork) -> Float[Tensor, "styles values"]:
+    """The code of each style where codes are weights over styles; FiLM's codes come from its generator instead."""
+    return torch.eye(network.synthesis.modulator.values)

@@ -1,0 +1,353 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3 (ipykernel)
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Models and costs
+#
+# Paper: [M22], Section 4 (Fig. 3), Table 2 and Section 5.3.1. Time: with every preset 1 minute.
+#
+# Seven networks are compared in the paper. They differ in two things only: what decides how the weights are blended,
+# and how the style enters. Both are small parts here, so every model is put together from the same layer. What does
+# each cost, in parameters and in time, and is the table right?
+
+# %% tags=["parameters"]
+dataset: str = "synthetic"  # data set of the run, without effect here
+preset: str = "quick"  # preset of the run, without effect here
+figures_folder: str = "build/figures"  # folder for pictures and numbers
+
+# %%
+import numpy as np
+import torch
+from IPython.display import Image, Markdown
+from matplotlib.figure import Figure
+from torch.nn import functional
+
+from stylephase.data.archive import where
+from stylephase.data.registry import DATA, released_weights
+from stylephase.data.registry import dataset as find_dataset
+from stylephase.evaluation.bench.models import frame_times
+from stylephase.evaluation.bench.rows import interleaved, threads
+from stylephase.evaluation.budget.paper_2022 import PUBLISHED, STYLES, counts_of, table_2
+from stylephase.evaluation.budget.rows import built, parameters
+from stylephase.evaluation.release import compare, made_golden
+from stylephase.evaluation.release_walks import release_walks
+from stylephase.models.modulators import Film
+from stylephase.models.pfnn import Pfnn
+from stylephase.models.released import fetch_released, release_bundle
+from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.zoo import PAPER_2022, build_synthesis, widths_of
+from stylephase.report import palette, plots
+from stylephase.report.claims import DIFFERS, REPRODUCED
+from stylephase.report.manifest import ROOT
+from stylephase.report.recorder import Recorder
+from stylephase.runtime.phases import StoredPfnn
+
+figures = ROOT / figures_folder
+recorder = Recorder(
+    "03_models_and_costs", dataset=dataset, preset=preset, params={}, data_files=[DATA / "registry.toml"]
+)
+WIDTHS = {name: widths_of(name, PUBLISHED) for name in PAPER_2022}
+MODELS = {name: built(name, widths, STYLES) for name, widths in WIDTHS.items()}
+
+
+def table(*rows) -> Markdown:
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
+    return Markdown("\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]))
+
+
+def save(axes, name: str, alt: str) -> Image:
+    path = figures / f"03_models_and_costs{name}.png"
+    plots.save_figure(axes.figure, path, alt=alt)
+    return Image(path, alt=alt)
+
+
+# %% [markdown]
+# ## Fig. 3: the parts
+#
+# > A gating network blends expert weights, a style network makes scales and shifts, and layer normalisation stands
+# > before them ([M22] 4, Fig. 3).
+#
+# `models/synthesis.py` has the three layers, `models/experts.py` the layer and the learned gate, `models/spline.py` the
+# gate of the PFNN, `models/modulators.py` the ways a style enters, `models/zoo.py` the list below.
+
+# %%
+rows = []
+for name, network in MODELS.items():
+    synthesis, how = network.synthesis, PAPER_2022[name]
+    sets, inputs, outputs = synthesis.layers[0].weight.shape[0], WIDTHS[name].inputs, WIDTHS[name].outputs
+    gate = {"pfnn": "global phase", "lpn": "8 local phase values", "mann": "12 velocities"}[how.backbone]
+    rows += [(name, gate, sets, f"{inputs} - 512 - 512 - {outputs}", type(synthesis.modulator).__name__)]
+table(("model", "gate looks at", "sets of weights", "widths", "style enters by"), *rows)
+
+# %% [markdown]
+# Sizes of LPN-FiLM, read off the module that is trained:
+
+# %%
+film = MODELS["lpn-film"]
+gating = [tuple(layer.weight.shape) for layer in film.synthesis.gating.layers]
+convolutions = [(c.kernel, c.weight.shape[1]) for c in (film.generator.first, film.generator.second)]
+dense = [film.generator.dense.out_features, film.generator.code.out_features]
+sizes = {
+    "layers of the motion network": [tuple(layer.weight.shape) for layer in film.synthesis.layers],
+    "layers of the gating network": gating,
+    "convolutions (width, filters)": convolutions,
+    "dense layers": dense,
+}
+table(("part", "shape"), *sizes.items())
+
+# %% [markdown]
+# ## Three identities
+#
+# The blend of weights is the sum of `W_i` with the gate's coefficients. We blend outputs, which is the same thing in
+# one product; FiLM is layer normalisation, scale, shift, ELU (Eq. 3); and the whole is one forward pass (Eq. 4).
+
+# %%
+torch.manual_seed(0)
+small = NetworkSettings(units=64)
+synthesis = build_synthesis("lpn-film", WIDTHS["lpn-film"], 0, small).double().eval()
+x, p, code = (torch.randn(5, width, dtype=torch.float64) for width in (348, 8, 4 * small.units))
+gate, layer = synthesis.gating(p), synthesis.layers[0]
+blended = torch.stack([x[r] @ torch.tensordot(gate[r], layer.weight, 1) + gate[r] @ layer.bias for r in range(5)])
+blend_off = float((layer(x, gate) - blended).abs().max().detach())
+f, (scale, shift) = blended, code.chunk(4, dim=1)[:2]
+by_hand = functional.elu(scale * (f - f.mean(1, keepdim=True)) / f.std(1, keepdim=True, correction=0) + shift)
+film_off = float((synthesis.modulator(0, f, x, gate, code) - by_hand).abs().max().detach())
+assert blend_off < 1e-10 and film_off < 1e-6
+Markdown(f"largest differences: blend {blend_off:.1e}, Eq. 3 {film_off:.1e}")
+
+# %% [markdown]
+# ## Eq. 6: a style is a change of weights
+#
+# > FiLM can be written as a layer with other weights, `W' = W_s W` and `b' = W_s b + shift` ([M22] 5.3.1).
+#
+# The normalisation divides by the row's own deviation and takes off its mean. For a given row that is a scale and a
+# shift more, so the identity holds row by row: the changed weights depend on the frame.
+
+# %%
+weight, bias = torch.tensordot(gate[0], layer.weight, 1), gate[0] @ layer.bias
+deviation = f[0].var(correction=0).add(1e-8).sqrt()
+changed = weight @ torch.diag(scale[0] / deviation)
+changed_bias = (bias - f[0].mean()) * scale[0] / deviation + shift[0]
+filmed = Film(small.units)(0, f[:1], x[:1], gate[:1], code[:1])[0]
+eq6_off = float((filmed - functional.elu(x[0] @ changed + changed_bias)).abs().max().detach())
+recorder.claim("m22-eq6-film-is-weight-change", value=eq6_off, n=1)
+
+# %% [markdown]
+# ## Table 2: parameters
+#
+# Arithmetic, our modules, and print. `stylephase count` shows the sums. A.S.N. is the motion network, S.M.N. what
+# holds the styles, P.S.R. what a style keeps at run time.
+
+# %%
+COLUMNS = {"A.S.N.": "asn", "S.M.N.": "smn", "P.S.R.": "psr"}
+counted = {(row.name, row.quantity): row for row in table_2()}
+for (name, column), row in counted.items():
+    identifier = f"m22-table2-{name}-{COLUMNS[column]}"
+    recorder.claim(identifier, value=row.counted, verdict=row.verdict, note=row.note)
+assert all(row.counted == row.value for row in counted.values())
+table(
+    ("model", *COLUMNS),
+    *(
+        (name, *(f"{r.counted:,}" + ("" if r.verdict == REPRODUCED else f" (print: {r.paper:,})") for r in cells))
+        for name in PAPER_2022
+        for cells in [[counted[name, column] for column in COLUMNS]]
+    ),
+)
+
+# %% [markdown]
+# All but one number are right to the last digit. The style network has 39,214,592 parameters, not 35,668,530: the
+# printed number takes each convolution as a dense layer from 256 to 25, without the channels that come in.
+#
+# Where the parameters are, in training, and what one style keeps:
+
+# %%
+with plots.style():
+    left, right = Figure(figsize=(7.2, 3.1)).subplots(1, 2, sharey=True)
+    for row, name in enumerate(PAPER_2022):
+        asn, smn, psr = (counted[name, column].counted for column in COLUMNS)
+        left.barh(row, asn / 1e6, color=palette.colour_of(name))
+        left.barh(row, smn / 1e6, left=asn / 1e6, color=palette.lighter(palette.colour_of(name), 0.55), hatch="///")
+        right.barh(row, psr, color=palette.colour_of(name))
+    left.set(xlabel="parameters in training (million)", yticks=range(7), yticklabels=PAPER_2022)
+    right.set(xlabel="values kept for a style (count)", xscale="log", xlim=(1e3, 5e5))
+    left.set_title("network, styles (hatched)")
+    right.set_title("one style at run time")
+    left.invert_yaxis()
+alt = "Bars of parameters for seven models: FiLM needs 39 million in training and 2,048 values for a style at run time."
+save(left, "-budget", alt)
+
+# %% [markdown]
+# FiLM has by far the largest style network and keeps the least: its output can be stored. An adapter has to be kept
+# whole, since what goes into it changes with every frame. So with many styles the order turns round.
+
+# %%
+number = np.unique(np.geomspace(1, 1000, 60).astype(int))
+per_style = {name: counted[name, "P.S.R."].counted for name in PAPER_2022}
+memory = {n: 4 * (counted[n, "A.S.N."].counted + number * per_style[n]) / 2**20 for n in PAPER_2022}
+with plots.style():
+    axes = Figure(figsize=(7.2, 3.6)).subplots()
+    for name, values in memory.items():
+        axes.plot(number, values, color=palette.colour_of(name), linestyle=palette.dashes_of(name), label=name)
+    axes.axvline(STYLES, color=palette.HIGHLIGHT, linewidth=1, linestyle=":")
+    axes.set(xscale="log", yscale="log", xlabel="styles (count)", ylabel="memory at run time (MiB)")
+    axes.annotate("the paper's 95", (STYLES, 500), xytext=(-6, 0), textcoords="offset points", ha="right")
+    axes.legend(ncols=2)
+alt = "Memory against the number of styles from 1 to 1000: only residual adapters grow beyond the network itself."
+save(axes, "", alt)
+
+# %% [markdown]
+# ## Table 2: time of a frame
+#
+# One thread, one character, five runs in which the models take turns, by the clock of the processor. The PFNN keeps
+# its weights at 50 phases, as in both papers. Times of another machine cannot be compared, ratios can: each model's
+# time over that of LPN-FiLM.
+
+# %%
+PRINTED = {"pfnn-onehot": 0.78, "lpn-onehot": 4.11, "pfnn-resad": 0.92, "lpn-resad": 4.78}
+PRINTED |= {"pfnn-film": 1.37, "mann-film": 4.48, "lpn-film": 4.53}
+times = frame_times(WIDTHS, styles=STYLES)
+share = {name: times[name][0] / times["lpn-film"][0] for name in PAPER_2022}
+printed_share = {name: PRINTED[name] / PRINTED["lpn-film"] for name in PAPER_2022}
+table(
+    ("model", "ours (ms)", "paper (ms)", "ours over LPN-FiLM", "paper's"),
+    *(
+        (n, f"{times[n][0]:.2f} ± {times[n][1]:.2f}", PRINTED[n], f"{share[n]:.2f}", f"{printed_share[n]:.2f}")
+        for n in PAPER_2022
+    ),
+)
+
+# %%
+with plots.style():
+    axes = Figure(figsize=(7.2, 2.8)).subplots()
+    for row, name in enumerate(PAPER_2022):
+        axes.plot([printed_share[name], share[name]], [row, row], color=palette.GROUND_LINE, linewidth=3)
+        axes.plot(share[name], row, "o", color=palette.colour_of(name), label="ours" if not row else None)
+        axes.plot(printed_share[name], row, "d", color=palette.INK, label="paper" if not row else None)
+    axes.set(xlabel="time of a frame over that of LPN-FiLM (ratio)", yticks=range(7), yticklabels=PAPER_2022)
+    axes.set_xlim(left=0)
+    axes.legend(loc="upper center")
+    axes.invert_yaxis()
+save(axes, "-times", "Time of a frame over LPN-FiLM's, ours and the paper's, for the seven models.")
+
+# %% [markdown]
+# Eight experts cost several times the PFNN's time, in the paper and here. Part of that is the stored phases,
+# which no gate of eight numbers allows. How much? The PFNN with its spline evaluated in every frame:
+
+# %%
+network = build_synthesis("pfnn-onehot", WIDTHS["pfnn-onehot"], STYLES, NetworkSettings()).eval()
+assert isinstance(network, Pfnn)
+stored, row, onehot = StoredPfnn(network), torch.randn(1, 348), torch.eye(STYLES)[:1]
+with threads(1), torch.inference_mode():
+    rivals = {"spline": lambda: network(row, torch.ones(1, 1), onehot), "stored": lambda: stored(row, 1.0, onehot)}
+    both = interleaved(rivals, rounds=10, each=10)
+spline_factor = both["spline"] / both["stored"]
+Markdown(f"evaluating the spline in every frame takes {spline_factor:.1f} times as long as stored phases")
+
+# %% [markdown]
+# ## The released network
+#
+# The authors released LPN-FiLM with a code for each of the hundred styles. Where it is at hand, our network with its
+# weights is compared with a plain form in NumPy, and all styles are asked to walk, from the mean pose, with the
+# demonstration's settings.
+
+# %%
+at_hand = {where(released_weights()["lpn-release"]), where(find_dataset("100style"))} <= {"cache", "mirror"}
+agreement, walks = [], []
+if at_hand:
+    released = fetch_released()
+    agreement, walks = compare(released, made_golden(released)), release_walks(release_bundle())
+    assert all(one.holds for one in agreement)
+largest = {k: max((a.relative for a in agreement if a.precision == k), default=0) for k in ("float32", "float64")}
+Markdown("largest relative errors: " + str(largest) if at_hand else "the released weights are not at hand")
+
+# %%
+faulty = [walk.style for walk in walks if not walk.walks]
+assert not walks or set(faulty) == {"Drunk", "LeftHop", "RightHop", "TwoFootJump"}
+walking = [walk for walk in walks if walk.walks]
+shown = [walk for walk in walks if walk.style in ("Neutral", "Zombie", "Swimming", "PendulumHands", "Proud")]
+heads = ("style", "speed (m/s)", "cycle (frames)", "correlation of feet", "bones vary, worst (%)")
+lines = [
+    (w.style, f"{w.speed:.2f}", f"{60 * w.steps.cycle:.0f}", f"{w.correlation:.2f}", f"{w.bones.worst:.1f}")
+    for w in shown
+]
+table(heads, *lines, (f"do not walk: {', '.join(faulty) or '-'}", "", "", "", ""))
+
+# %% [markdown]
+# Drunk's stored code is broken, as the release says itself. The other three hop; from a standing start, without the
+# run button, they glide. Not one of the others loses its step.
+
+# %% [markdown]
+# ## What was recorded
+
+
+# %%
+def judge(identifier: str, holds: bool, note: str = "", **measured) -> str:
+    return recorder.claim(identifier, verdict=REPRODUCED if holds else DIFFERS, note=note, **measured)
+
+
+judge("m22-fig3-overview", True, "as modules, which the table of parts lists")
+judge("m22-gating-blends-weights", blend_off < 1e-10, "blending outputs instead, in one product", value=blend_off)
+judge("m22-eq2-film-parameters", film.synthesis.modulator.values == 4 * 512, value=film.synthesis.modulator.values)
+note = "the printed features are taken as the scale; the deviation is the population's"
+judge("m22-eq3-conditional-normalisation", film_off < 1e-6, note, value=film_off)
+judge("m22-eq4-whole-model", True, "StyledNetwork.forward(frame, phases, clip)")
+hidden = [len(film.synthesis.layers), film.synthesis.layers[1].weight.shape[2]]
+judge("m22-arch-hidden", hidden == [3, 512], value=hidden)
+gates = [len(gating), gating[0][0], gating[-1][0]]
+judge("m22-arch-gating", gates == [3, 32, 8], value=gates)
+judge("m22-arch-experts", film.synthesis.layers[0].weight.shape[0] == 8, value=film.synthesis.layers[0].weight.shape[0])
+found = [len(convolutions), convolutions[0][1], convolutions[0][0], 2]
+judge("m22-arch-generator-convolutions", found == [2, 256, 25, 2], value=found)
+judge("m22-arch-generator-dense", dense == [2048, 2048], value=[len(dense), dense[0]])
+judge(
+    "m22-one-layer-against-all",
+    True,
+    "one-hot shifts the first layer, adapters the second, FiLM scales and shifts both",
+)
+for name, (mean, spread) in times.items():
+    near = 1 / 1.5 < share[name] / printed_share[name] < 1.5
+    note = f"another machine; over LPN-FiLM's time {share[name]:.2f}, in print {printed_share[name]:.2f}"
+    note += "" if near else "; normalising, scaling and shifting take half a millisecond there and almost nothing here"
+    judge(f"m22-table2-{name}-runtime", near, note, value=[round(mean, 3), round(spread, 3)], n=5)
+slowest = max(mean for mean, _ in times.values())
+recorder.claim("m22-cost-all-real-time", value=round(1000 / slowest), n=len(times))
+backbone = {b: min(times[n][0] for n, how in PAPER_2022.items() if how.backbone == b) for b in ("pfnn", "lpn", "mann")}
+factor = round(min(backbone["lpn"], backbone["mann"]) / backbone["pfnn"], 2)
+judge("m22-cost-lpn-slower", factor > 1, "fastest LPN or MANN over the fastest PFNN", value=factor)
+note = "time with the spline evaluated in every frame over that with stored phases"
+judge("m22-cost-pfnn-optimisation", spline_factor > 1, note, value=round(spline_factor, 2))
+codes = film.synthesis.modulator.values
+note = f"a style keeps {codes:,} values of {parameters(film.generator):,}"
+judge("m22-cost-film-precomputed", codes < parameters(film.generator), note)
+adapted = counts_of(MODELS["lpn-resad"])
+judge("m22-cost-adapters-stored", adapted["P.S.R."] * STYLES == adapted["S.M.N."], "every parameter is kept")
+twice = per_style["lpn-onehot"] / per_style["lpn-film"]
+judge("m22-cost-onehot-twice-film", twice == 2, value=twice)
+note = "values per style of LPN-FiLM over those of the smallest adapter"
+share_of_adapter = round(per_style["lpn-film"] / per_style["pfnn-resad"], 3)
+judge("m22-style-representation-small", share_of_adapter < 1, note, value=share_of_adapter)
+table(
+    ("claim", "value", "verdict", "note"),
+    *((r.name, "" if r.value is None else r.value, r.verdict, r.note) for r in recorder.record.results),
+)
+
+# %%
+for name in PAPER_2022:
+    recorder.number(f"time of a frame over LPN-FiLM's, {name}", share[name], "ratio")
+if walking:
+    recorder.number("styles of the release that walk", len(walking), "styles")
+    recorder.number("speed of the release, median of styles", float(np.median([w.speed for w in walking])), "m/s")
+    cycles = [60 * walk.steps.cycle for walk in walking]
+    recorder.number("cycle of the release, median of styles", float(np.median(cycles)), "frames")
+    recorder.number("relative error of the release in float32", largest["float32"])
+recorder.write(figures_folder)

@@ -1,0 +1,49 @@
+"""The command that writes the network for use elsewhere."""
+
+import json
+
+import numpy as np
+import onnxruntime
+import pytest
+
+from stylephase.cli import app
+from stylephase.evaluation.bench.frames import made_bundle
+from stylephase.models.bundle import build_network, save_bundle
+from stylephase.models.generator import GeneratorSettings
+from stylephase.models.lpn import NetworkSettings
+
+SMALL = NetworkSettings(
+    experts=2, units=8, gating_units=4, generator=GeneratorSettings(frames=16, filters=2, kernel=3, hidden=4)
+)
+
+
+def run(capsys, *words: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as end:
+        app.main(["export", *words])
+    return end.value.code or 0, *capsys.readouterr()
+
+
+def test_it_writes_a_graph_and_the_codes_beside_it(tmp_path, capsys):
+    made = made_bundle(SMALL)
+    made.network.generator = build_network(made.body, SMALL).generator
+    save_bundle(tmp_path / "run", made)
+    status, out, _ = run(
+        capsys, "--weights", str(tmp_path / "run"), "--onnx", str(tmp_path / "out/walk.onnx"), "--json"
+    )
+    result = json.loads(out)
+    assert status == 0 and result["styles"] == 1 and result["widths"]["code"] == 32
+    session = onnxruntime.InferenceSession(result["onnx"], providers=["CPUExecutionProvider"])
+    with np.load(result["codes"]) as codes:
+        feed = {"x": np.zeros((2, result["widths"]["x"]), np.float32), "phases": np.zeros((2, 8), np.float32)}
+        (y,) = session.run(["y"], feed | {"code": np.tile(codes["Neutral"], (2, 1))})
+    assert y.shape == (2, result["widths"]["y"]) and np.isfinite(y).all()
+
+
+def test_another_suffix_is_refused_before_anything_is_read(tmp_path, capsys):
+    status, _, err = run(capsys, "--weights", "nowhere", "--onnx", str(tmp_path / "walk.pt"))
+    assert status == 2 and "walk.pt: expected a name that ends in .onnx" in err
+
+
+def test_weights_that_are_not_there_leave_no_file(tmp_path, capsys):
+    status, _, err = run(capsys, "--weights", str(tmp_path / "none"), "--onnx", str(tmp_path / "walk.onnx"))
+    assert status == 2 and "no such file" in err and not (tmp_path / "walk.onnx").exists()
