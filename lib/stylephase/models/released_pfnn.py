@@ -16,7 +16,7 @@ from numpy import ndarray
 from stylephase.data.archive import fetch
 from stylephase.data.registry import released_weights
 from stylephase.errors import InputError
-from stylephase.features import holden
+from stylephase.models import holden
 from stylephase.models.experts import ExpertLayer
 from stylephase.models.pfnn import Pfnn
 from stylephase.models.spline import POINTS, catmull_rom
@@ -32,7 +32,7 @@ _KEPT_PARTS = ("b0", "b1", "b2", "W2")
 
 @dataclass(frozen=True)
 class ReleasedPfnn:
-    """The network in eval mode, and means and deviations of its vectors in metres (features/holden.py)."""
+    """The network in eval mode, and means and deviations of its vectors in metres (models/holden.py)."""
 
     network: Pfnn
     x_mean: Float[ndarray, " inputs"]

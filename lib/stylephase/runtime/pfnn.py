@@ -8,8 +8,8 @@ import torch
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.features import holden
 from stylephase.features.layout import FPS
+from stylephase.models import holden
 from stylephase.models.released_pfnn import ReleasedPfnn
 from stylephase.motion.root import Root, to_local
 from stylephase.runtime.trajectory import Steering, on_ground, unit_ground

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.features.layout import FPS, INPUT_SAMPLES, OUTPUT_SAMPLES
-from stylephase.motion.root import Root, turn
+from stylephase.motion.root import Root
 
 # Points of the path: one per frame, 60 past, the root, 60 to come.
 # Differs: the release has 50 points to come, which stand for the same second.
@@ -40,7 +40,8 @@ class Trajectory:
 
 def on_ground(angles: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2 2"]:
     """Rotations of ground vectors (x, z) from root to world."""
-    return turn(angles)[:, ::2, ::2]
+    sine, cosine = np.sin(angles), np.cos(angles)
+    return np.stack([cosine, sine, -sine, cosine], axis=-1).reshape(len(angles), 2, 2)
 
 
 def unit_ground(

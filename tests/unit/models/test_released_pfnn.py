@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from stylephase.errors import InputError
-from stylephase.features import holden
+from stylephase.models import holden
 from stylephase.models.released_pfnn import fetch_pfnn, load_pfnn, spline_error
 
 

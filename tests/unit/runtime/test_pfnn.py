@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from stylephase.evaluation.motion import steps_of
-from stylephase.features import holden
+from stylephase.models import holden
 from stylephase.models.pfnn import Pfnn
 from stylephase.models.released_pfnn import ReleasedPfnn, fetch_pfnn, load_pfnn
 from stylephase.models.synthesis import NetworkSettings

@@ -1,6 +1,6 @@
 """The parts of Holden's vectors fill them, one after the other."""
 
-from stylephase.features import holden
+from stylephase.models import holden
 
 
 def lengths(prefix: str) -> dict[str, slice]:
