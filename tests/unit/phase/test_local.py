@@ -43,7 +43,8 @@ def test_each_column_has_the_phase_and_frequency_of_its_own_source(name):
     inner = slice(30, -30)
     expected = np.stack([f * TIMES for f in frequencies], axis=1)
     assert distance(found.phase, expected)[inner].max() < 0.015
-    assert np.allclose(np.median(found.frequency, axis=0), frequencies, rtol=0.02)
+    # A ridge draws the frequency of half a cycle upwards, where less amplitude does as well.
+    assert np.allclose(np.median(found.frequency, axis=0), frequencies, rtol=0.1 if VARIANTS[name].ridge else 0.02)
 
 
 @pytest.mark.parametrize("name", VARIANTS)

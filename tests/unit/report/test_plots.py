@@ -165,7 +165,7 @@ def test_large_picture_is_reduced_to_the_limit(tmp_path: Path):
     noise = np.random.default_rng(0).integers(0, 40, ramp.shape)
     write_png(tmp_path / "ramp.png", ((ramp + noise) // 2).astype(np.uint8), alt="a ramp")
     assert (tmp_path / "ramp.png").stat().st_size <= LIMIT
-    chance = np.random.default_rng(0).integers(0, 256, (715, 715, 3), dtype=np.uint8)
+    chance = np.random.default_rng(0).integers(0, 256, (900, 900, 3), dtype=np.uint8)
     with pytest.raises(InputError, match=r"chance\.png: the picture takes \d+ bytes, more than 500000"):
         write_png(tmp_path / "chance.png", chance, alt="chance")
     assert [path.name for path in tmp_path.iterdir()] == ["ramp.png"]
