@@ -216,22 +216,29 @@ def middle_of(clip):
     return clip.frames(spare, len(clip) - spare)
 
 
+def in_frame(pose, skeleton, take, label: str) -> np.ndarray:
+    frame, chosen = len(pose.positions) // 2, take.sourcing
+    free = [0, 1, *(2 + foot for foot in range(2) if not chosen.by_contact[foot])]
+    joints, colours = ([column[k] for k in free] for column in (skeleton.roles.effectors, EFFECTORS))
+    lines = swings(pose, skeleton, tuple(joints), chosen.directions[free], colours, frame=frame)
+    return swing_picture(Motion(skeleton, pose.positions, take.contacts, label=label), lines, frame=frame)
+
+
+def side_by_side(drawn: list[np.ndarray], name: str, labels) -> Image:
+    alt = f"A frame of each of {', '.join(labels)}, with paths of the hands, arrows along and planes across them."
+    write_png(figures / f"02_local_phases-{name}.png", np.concatenate(drawn, axis=1), alt=alt)
+    return Image(figures / f"02_local_phases-{name}.png", alt=alt)
+
+
 drawn, found = [], {}
 for pair in three:
     takes = takes_of(pair)
     movements = [movement_of(forward_kinematics(clip), skeleton, FPS, about.contact) for clip in takes]
     chosen = sourcing(movements, contact_free=about.contact_free_feet(*pair.rsplit("/", 1)))
-    clip = middle_of(max(takes[:3], key=len))
-    pose, frame = forward_kinematics(clip), len(clip) // 2
+    pose = forward_kinematics(middle_of(max(takes[:3], key=len)))
     found[pair] = movement_phases(movement_of(pose, skeleton, FPS, about.contact), chosen, variant("adaptive"))
-    motion = Motion(skeleton, pose.positions, found[pair].contacts, label=pair)
-    free = [*range(2), *(2 + foot for foot in range(2) if not chosen.by_contact[foot])]
-    joints, colours = ([column[k] for k in free] for column in (skeleton.roles.effectors, EFFECTORS))
-    lines = swings(pose, skeleton, tuple(joints), chosen.directions[free], colours, frame=frame)
-    drawn.append(swing_picture(motion, lines, frame=frame))
-alt = f"A frame of each of {', '.join(three)}, with paths of the hands, arrows along and planes across them."
-write_png(figures / "02_local_phases-directions.png", np.concatenate(drawn, axis=1), alt=alt)
-Image(figures / "02_local_phases-directions.png", alt=alt)
+    drawn.append(in_frame(pose, skeleton, found[pair], pair))
+side_by_side(drawn, "directions", three)
 
 # %% [markdown]
 # What to look for: the arrow lies along the path and points forward; where the hands hardly move it is short. Where a
@@ -361,6 +368,23 @@ fig4(three[2])
 # %% [markdown]
 # What to look for: a foot's phase runs through 0.25 in the middle of each green bar, the two feet take turns, and
 # where a limb is quiet its line fades.
+
+# %% [markdown]
+# The kinds of the paper's figure, as the walker does them: arms with a beat of their own, so that there is no global
+# phase; hands in pockets; a hop on one foot, whose raised foot has an arrow too.
+
+
+# %%
+def the_walkers_three() -> Image | Markdown:
+    names = ("OffbeatArms", "PocketHands", "HopOnRight")
+    if dataset == "synthetic":
+        return Markdown("Drawn above.")
+    clips = {name: walkers[name][0] for name in names}
+    parts = [in_frame(forward_kinematics(c), c.skeleton, read["adaptive"][name], name) for name, c in clips.items()]
+    return side_by_side(parts, "walkers", names)
+
+
+the_walkers_three()
 
 # %% [markdown]
 # ## A foot that never touches the floor
