@@ -17,7 +17,7 @@ from stylephase.models.lpn import NetworkSettings, SynthesisNetwork
 
 _WIDTHS = (348, 8, 342)
 # A row of the plain form needs as much memory as an expert, so fewer rows are given to it, which favours it.
-_ROWS, _PLAIN_ROWS, _CURVE_ROWS = 1024, 256, 64
+_ROWS, _PLAIN_ROWS, _CURVE_ROWS = 1024, 1024, 64
 _ROUNDS, _CURVE_STEPS = 3, 25
 _MIB = 2**20
 
