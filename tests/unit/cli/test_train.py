@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import tiny_training as tiny
+from refusals import refused
 
 from stylephase.cli import app, train
 from stylephase.models.bundle import load_bundle
@@ -48,13 +49,6 @@ def call(capsys) -> Call:
         return int(end.value.code or 0), *capsys.readouterr()
 
     return run
-
-
-def refused(result: tuple[int, str, str]) -> str:
-    """The one line of a call that must have failed for bad input."""
-    status, out, err = result
-    assert (status, out, err.count("\n")) == (2, "", 1) and err.startswith("stylephase: ")
-    return err.removeprefix("stylephase: ").rstrip("\n")
 
 
 def kept(out: Path) -> dict[str, bytes]:
