@@ -20,7 +20,6 @@ _HIPS = {"hips", "hip", "pelvis"}
 _HAND_WORDS = {"hand", "wrist"}
 _TOE_WORDS = {"toe", "toes", "toebase", "ball"}
 _FOOT_WORDS = {"foot", "ankle"}
-_UPWARD_WORDS = ("neck", "head", "chest", "spine")
 
 
 @dataclass(frozen=True)
