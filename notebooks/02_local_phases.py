@@ -929,7 +929,8 @@ for identifier, value in {
     "ours-phase-walker-own-beat": float(own_beat),
     "ours-phase-contacts-f1": float(f1_varied),
 }.items():
-    recorder.claim(identifier, value=round(value, 4), n=len(ordered), **walker)
+    note = "hands of Sleepwalk, which the trunk moves more than the shoulder" * identifier.endswith("worst")
+    recorder.claim(identifier, value=round(value, 4), n=len(ordered), note=note, **walker)
 
 
 # %%
@@ -956,7 +957,8 @@ round_ones = sum(why.startswith("the network's phase hardly") for why, *_ in far
 note = f"{len(far)} pairs lie further, in {round_ones} of them the network's own phase does not go round"
 from_release("ours-phase-oracle-pairs", agreement.pairs_within(ADAPTIVE, 0.08) if asked else 0.0, note)
 fakes = [pooled(wrong_ones[f], FEET_ROWS)[0] for f in ("next style", "next effector", "clock")] if asked else [0.0]
-from_release("ours-phase-oracle-null", min(fakes), "the least of: another style, another effector, a clock of 1 Hz")
+note = "the least of: another style, another effector, a clock of 1 Hz; a clock at the network's own rate would pass"
+from_release("ours-phase-oracle-null", min(fakes), note)
 needs = "recordings of bandai-namco in the mirror"
 MEASURES = {"antiphase": "apart", "antiphase-p90": "apart_p90", "backward": "backward", "alternation": "alternation"}
 for name, field in MEASURES.items():

@@ -63,4 +63,8 @@ def check(name: Name, as_json: AsJson = False) -> None:
     lines += [f"too short to learn from: {file}" for file in findings.too_short]
     emit(result, as_json=as_json, text="\n".join([*lines, *findings.faults]))
     if findings.faults:
-        raise InputError(f"{len(findings.faults)} faults in data set {name}; the first: {findings.faults[0]}")
+        raise InputError(f"{_count(len(findings.faults))} in data set {name}; the first: {findings.faults[0]}")
+
+
+def _count(faults: int) -> str:
+    return "1 fault" if faults == 1 else f"{faults} faults"

@@ -56,6 +56,8 @@ def phases(
     how, rule = variant(variant_name), _rule(contact_speed, contact_height)
     names = None if effectors is None else [name.strip() for name in effectors.split(",")]
     stems = _stems(bvh)
+    if not str(out).strip(". "):
+        raise InputError("--out names no file and no folder of its own")
     bar = tqdm(bvh, desc="phases", unit="file", disable=None if len(bvh) > 1 else True)
     takes = (_read(path, (start, stop), names, rule, how, sources) for path in bar)
     write = _into_one_file if out.suffix == _NPZ else _into_a_folder

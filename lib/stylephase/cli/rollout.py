@@ -26,6 +26,8 @@ RELEASE = "release"
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
+# Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near.
+_MOST_TURN, _NEAR = 720.0, 0.25
 _SHORTEST, _LONGEST = 0.1, 3600.0
 
 
@@ -63,7 +65,10 @@ def rollout(
     reached = speed_of(run.root_positions[:, 0])
     result = {"out": out, "weights": weights, "licence": bundle.about.get("licence"), "style": mixture}
     result |= {"frames": len(clip), "fps": FPS, "gain": gain[0], "speed": reached}
+    result |= {"asked": speed, "near": bool(abs(reached / speed - 1) <= _NEAR)}
     text = f"{out}: {len(clip)} frames of {style} at {reached:.2f} m/s (asked: {speed:.2f}, gain {gain[0]:.2f})"
+    if not result["near"]:
+        text += "; these weights do not walk at that speed"
     emit(result, as_json=as_json, text=text)
 
 
@@ -74,8 +79,8 @@ def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float]
         raise InputError(f"--seconds is {seconds:g}; expected {_SHORTEST:g} to {_LONGEST:g}")
     if not 0 < speed <= _FASTEST:
         raise InputError(f"--speed is {speed:g}; expected above 0 and at most {_FASTEST:g} m/s")
-    if not np.isfinite(degrees).all():
-        raise InputError("--turn and --strafe should be finite numbers of degrees")
+    if not (np.isfinite(degrees).all() and np.abs(degrees).max() <= _MOST_TURN):
+        raise InputError(f"--turn and --strafe should be numbers of degrees, at most {_MOST_TURN:g} either way")
     if path is not None and any(degrees):
         raise InputError("--path says where to go; it goes with neither --turn nor --strafe")
 

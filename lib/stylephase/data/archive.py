@@ -72,7 +72,7 @@ def where(dataset: Dataset) -> str:
 
 def _own_folder(dataset: Dataset) -> Path:
     folder = Path(dataset.source).expanduser()
-    if not folder.is_dir():
+    if not dataset.source.strip() or not folder.is_dir():
         raise InputError("no such folder", dataset.source or dataset.name)
     return folder
 

@@ -25,6 +25,8 @@ _POSITION = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
 _ROTATION = {"Xrotation": "X", "Yrotation": "Y", "Zrotation": "Z"}
 # A joint other than the hips may carry position channels, but its bone must keep its length within this (m).
 _STRETCH = 0.01
+# What a file may say of its frames: seconds of one, and the largest value of a channel, in units or degrees.
+_SHORTEST_FRAME, _LONGEST_FRAME, _LARGEST = 0.001, 1.0, 1e7
 
 
 @dataclass
@@ -61,10 +63,10 @@ class _Lines:
             words = self.lines[self.number - 1].split()
             if words:
                 return words
-        raise InputError(f"the file ends where {expected} should stand", self.path, self.number)
+        raise InputError(f"the file ends where {expected} should stand", self.path, self.number or None)
 
     def error(self, reason: str) -> InputError:
-        return InputError(reason, self.path, self.number)
+        return InputError(reason, self.path, self.number or None)
 
     def numbers(self, words: list[str], what: str) -> list[float]:
         """Finite numbers; raises InputError."""
@@ -174,7 +176,12 @@ def _read_motion(lines: _Lines, channels: int) -> tuple[float, Float[ndarray, "f
     (frame_time,) = lines.numbers(words[2:], "Frame Time")
     if frame_time <= 0:
         raise lines.error(f"Frame Time is {frame_time}; it should be above zero")
-    return frame_time, _read_frames(lines, channels, announced)
+    if not _SHORTEST_FRAME <= frame_time <= _LONGEST_FRAME:
+        raise lines.error(f"Frame Time is {frame_time:g} s; expected {_SHORTEST_FRAME:g} to {_LONGEST_FRAME:g}")
+    frames = _read_frames(lines, channels, announced)
+    if np.abs(frames).max(initial=0.0) > _LARGEST:
+        raise InputError(f"a channel reaches {np.abs(frames).max():g}; no motion does", lines.path)
+    return frame_time, frames
 
 
 def _read_frames(lines: _Lines, channels: int, announced: int) -> Float[ndarray, "frames channels"]:

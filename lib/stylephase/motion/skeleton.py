@@ -173,8 +173,8 @@ def find_roles(skeleton: Skeleton) -> Roles:
         for role, joint in (("foot", toe), ("hand", hand)):
             if joint is None:
                 raise InputError(
-                    f"cannot tell which joint is the {side} {role}; name the end effectors with --effectors; "
-                    f"this skeleton has {', '.join(skeleton.names)}"
+                    f"cannot tell which joint is the {side} {role}; name it so, or for phases name the end "
+                    f"effectors with --effectors; this skeleton has {', '.join(skeleton.names)}"
                 )
         toes.append(toe)
         hands.append(hand)

@@ -88,9 +88,17 @@ def _reading(source: ndarray, fps: float, how: PhaseVariant) -> tuple[ndarray, n
     """Running phase (cycles), frequency (Hz), amplitude, and the prepared source function ([M22] 4.1.4)."""
     ready = prepared(source[:, None], fps, how.normalise_seconds)[:, 0]
     fit = fit_sinusoids(ready, fps, window_seconds=how.fit_seconds, rounds=how.rounds, ridge=how.ridge * fps / 60)
-    angles = 2 * np.pi * fit.phase
+    angles = 2 * np.pi * _held(fit.phase, fit.amplitude > 0)
     smooth = np.arctan2(low_pass(np.sin(angles), fps), low_pass(np.cos(angles), fps))
     return np.unwrap(smooth) / (2 * np.pi), fit.frequency, fit.amplitude, ready
+
+
+def _held(phase: ndarray, fitted: ndarray) -> ndarray:
+    """The phase with that of the nearest fitted frame before, or else after, where nothing moves."""
+    if fitted.all() or not fitted.any():
+        return phase
+    frames = np.flatnonzero(fitted)
+    return phase[frames[np.maximum(np.searchsorted(frames, np.arange(len(phase)), side="right") - 1, 0)]]
 
 
 def _reading_at_own_tempo(source: ndarray, fps: float, how: PhaseVariant) -> tuple[ndarray, ndarray, ndarray, ndarray]:

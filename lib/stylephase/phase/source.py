@@ -6,10 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import butter, sosfiltfilt
 
 from stylephase.errors import InputError, hint
+from stylephase.motion.clip import velocities
 from stylephase.motion.skeleton import EFFECTOR_NAMES
+from stylephase.phase.global_phase import touchdowns
+from stylephase.phase.tempo import tempo_of
 
 # Butterworth low-pass, order and cut-off (Hz), of the release ([M22] 4.1.4 names the filter only).
 _ORDER, _CUTOFF = 2, 4.0
@@ -17,6 +21,10 @@ _ORDER, _CUTOFF = 2, 4.0
 _SILENT = 1e-3
 # A foot that is in contact for less, or for more, of the time than this has no contacts to read a phase from.
 _TOUCHES = (0.02, 0.98)
+# Nor one that misses so many of its swings, and more than this share of them: on a slope the floor runs away from it.
+_MISSES, _MISSED = 3.0, 0.3
+# A foot swings while its mean speed over a second, seen from the hips, is above this (m/s).
+_SWINGS = 0.2
 # Ways to choose source functions: feet by their contacts where they have them; by contacts in any case; never.
 SOURCES = ("hybrid", "contact-based", "contact-free")
 
@@ -60,8 +68,8 @@ class Sourcing:
 def sourcing(takes: Sequence[Movement], *, sources: str = "hybrid", contact_free: Collection[str] = ()) -> Sourcing:
     """Choose what the takes of one style and gait are read from, all of them alike ([M22] 4.1.3).
 
-    A hybrid takes contacts for feet that touch the floor and leave it, unless `contact_free` names them. Raises
-    InputError for an unknown way of choosing, or an effector of another name.
+    A hybrid takes contacts for feet that touch the floor about once in each of their swings, unless `contact_free`
+    names them. Raises InputError for an unknown way of choosing, or an effector of another name.
     """
     if sources not in SOURCES:
         raise InputError(f"no source function {sources!r}; there are {', '.join(SOURCES)}")
@@ -70,13 +78,30 @@ def sourcing(takes: Sequence[Movement], *, sources: str = "hybrid", contact_free
             raise InputError(f"no foot {name!r}; {hint(name, EFFECTOR_NAMES[2:])}")
     centred = np.concatenate([take.places - take.places.mean(axis=0) for take in takes])
     directions = np.stack([principal_direction(centred[:, k]) for k in range(4)])
-    least, most = _TOUCHES
-    share = np.concatenate([take.contacts for take in takes]).mean(axis=0)[::-1]
     touching = [
-        bool(least <= s <= most) and n not in contact_free for s, n in zip(share, EFFECTOR_NAMES[2:], strict=True)
+        name not in contact_free and _touches(takes, foot, directions[2 + foot])
+        for foot, name in enumerate(EFFECTOR_NAMES[2:])
     ]
     chosen = {"hybrid": touching, "contact-based": [True, True], "contact-free": [False, False]}[sources]
     return Sourcing(directions, (chosen[0], chosen[1]))
+
+
+def _touches(takes: Sequence[Movement], foot: int, direction: Float[ndarray, "3"]) -> bool:
+    """Whether a foot (0 left, 1 right) has contacts that a phase can be read from."""
+    least, most = _TOUCHES
+    share = np.concatenate([take.contacts[:, 1 - foot] for take in takes]).mean()
+    swings = sum(_swings(take, foot, direction) for take in takes)
+    falls = sum(len(touchdowns(take.contacts[:, 1 - foot], take.fps)) for take in takes)
+    missing = swings - falls
+    return bool(least <= share <= most) and not (missing > _MISSES and missing > _MISSED * swings)
+
+
+def _swings(take: Movement, foot: int, direction: Float[ndarray, "3"]) -> float:
+    """How often a foot goes to and fro in a take, told from its movement alone and where it moves at all."""
+    places = take.places[:, 2 + foot]
+    speed = np.linalg.norm(velocities(places, take.fps), axis=-1)
+    moving = uniform_filter1d(speed, max(1, round(take.fps)), mode="nearest") > _SWINGS
+    return float(tempo_of(principal_source(places, direction), take.fps).rate[moving].sum() / take.fps)
 
 
 def contact_source(contacts: Bool[ndarray, " frames"]) -> Float[ndarray, " frames"]:

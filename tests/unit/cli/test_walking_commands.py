@@ -145,8 +145,8 @@ class TestRollout:
             ({"seconds": "0"}, "--seconds is 0; expected 0.1 to 3600"),
             ({"seconds": "nan"}, "--seconds is nan; expected 0.1 to 3600"),
             ({"seconds": "inf"}, "--seconds is inf; expected 0.1 to 3600"),
-            ({"turn": "inf"}, "--turn and --strafe should be finite numbers of degrees"),
-            ({"strafe": "nan"}, "--turn and --strafe should be finite numbers of degrees"),
+            ({"turn": "inf"}, "--turn and --strafe should be numbers of degrees, at most 720 either way"),
+            ({"strafe": "nan"}, "--turn and --strafe should be numbers of degrees, at most 720 either way"),
         ],
     )
     def test_bad_values_are_one_line_and_leave_nothing(self, roll, tmp_path, option, says):

@@ -13,6 +13,7 @@ from stylephase.motion.bvh import guess_unit, read_bvh, write_bvh
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.motion.rotations import from_euler
 from stylephase.motion.skeleton import Skeleton
+from stylephase.motion.synthetic import find_style, walk
 
 TURNS = "Zrotation Xrotation Yrotation"
 MOVES = "Xposition Yposition Zposition"
@@ -312,3 +313,14 @@ def test_a_clip_that_is_not_finite_is_not_written(tmp_path):
     with pytest.raises(InputError, match="not finite"):
         write_bvh(path, broken)
     assert path.read_text() == GOOD and list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("seconds", ["1000", "1e-9"])
+def test_a_frame_that_lasts_too_long_or_too_short_is_refused(tmp_path, seconds):
+    """A slip in the unit would make windows of a second a handful of frames, or a thousand million."""
+    clip, _ = walk(find_style("Plain"), "FW", seconds=1.0)
+    write_bvh(tmp_path / "a.bvh", clip)
+    text = re.sub(r"Frame Time: \S+", f"Frame Time: {seconds}", (tmp_path / "a.bvh").read_text())
+    (tmp_path / "a.bvh").write_text(text)
+    with pytest.raises(InputError, match=r"a\.bvh:\d+: Frame Time is .* expected 0.001 to 1"):
+        read_bvh(tmp_path / "a.bvh")

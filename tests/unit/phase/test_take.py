@@ -247,3 +247,32 @@ def test_the_middle_contact_rule_lies_between_those_of_the_data_sets():
     rules = [dataset(name).contact for name in ("100style", "bandai-namco")]
     assert min(r.speed for r in rules) <= MIDDLE_CONTACT.speed <= max(r.speed for r in rules)
     assert min(r.height for r in rules) <= MIDDLE_CONTACT.height <= max(r.height for r in rules)
+
+
+def sloping(clip: Clip, rise: float) -> Clip:
+    """The same motion, carried up by a share of the way walked forward."""
+    path = clip.root_positions.copy()
+    path[:, 1] += rise * (path[:, 2] - path[0, 2])
+    return replace(clip, root_positions=path)
+
+
+@pytest.mark.parametrize("rise", [0.01, 0.02, 0.1])
+def test_on_a_slope_feet_keep_their_cycle(rise):
+    """A level floor runs away from them: contacts of a few steps are no source, and the movement is."""
+    clip, truth = walked("Plain")
+    found_there = take_phases(sloping(clip, rise), MIDDLE_CONTACT, variant("adaptive"))
+    assert found_there.sourcing.by_contact == (False, False)
+    assert np.allclose(found_there.local.frequency[STEADY, 2:], truth.frequency[STEADY, 2:], rtol=0.1)
+    assert (np.mod(np.diff(found_there.local.phase, axis=0), 1.0) < 0.5).all()
+
+
+def test_a_stop_in_the_middle_holds_the_phase():
+    """Walk, stand, walk: contacts stay the source, and in the stand nothing flickers."""
+    clip, _ = walked("Plain")
+    parts = [np.arange(240), np.full(300, 239), np.arange(240, 480)]
+    frames = np.concatenate(parts)
+    stopped = replace(clip, rotations=clip.rotations[frames], root_positions=clip.root_positions[frames])
+    take = take_phases(stopped, RULE, variant("adaptive"))
+    assert take.sourcing.by_contact == (True, True)
+    standing = take.local.phase[330:450]
+    assert (np.abs(standing - standing[0]) < 0.05).all() and (take.local.magnitude[330:450] < 0.05).all()
