@@ -19,7 +19,7 @@ from stylephase.features.layout import FPS
 from stylephase.features.vectors import vectors
 from stylephase.models.bundle import Bundle
 from stylephase.motion.clip import forward_kinematics
-from stylephase.motion.contacts import ContactRule, majority
+from stylephase.motion.contacts import ContactRule, slow_and_low
 from stylephase.phase.source import Movement
 from stylephase.phase.take import movement_of
 from stylephase.runtime.controller import RELEASE, Controller, State, start_state
@@ -36,7 +36,7 @@ _GAIN, FRAMES, SETTLE = 6.0, 960, 200
 # 0.12 m/s.
 # On the styles of TUNED_ON speeds of 0.15 to 0.3 m/s and heights from 2 cm up give the same phases within 0.003 cycles.
 GENERATED_CONTACT = ContactRule(speed=0.3, height=0.02)
-_FLOOR_PERCENTILE, _VOTES, _CONTACT = 3.0, 5, 0.5
+_CONTACT = 0.5
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,7 @@ def generated_contacts(
     heights: Float[ndarray, "frames feet"], speeds: Float[ndarray, "frames feet"], rule: ContactRule
 ) -> Bool[ndarray, "frames feet"]:
     """Contacts of feet whose heights (m) and speeds (m/s) are predicted, under the rule and filter of recorded ones."""
-    floor = np.percentile(heights.min(axis=1), _FLOOR_PERCENTILE)
-    return majority((speeds < rule.speed) & (heights < floor + rule.height), _VOTES)
+    return slow_and_low(speeds, heights, FPS, rule)
 
 
 def recordings(bundle: Bundle, catalogue: Catalogue) -> tuple[Witnessed, ...]:

@@ -36,9 +36,15 @@ def foot_contacts(
     """
     towards = np.linalg.norm(velocities(sensors, fps), axis=-1)
     speed = np.maximum(towards, np.concatenate([towards[1:], towards[-1:]]))
-    floor = np.percentile(sensors[..., 1].min(axis=1), _FLOOR_PERCENTILE)
-    raw = (speed < rule.speed) & (sensors[..., 1] < floor + rule.height)
-    return majority(raw, round(_VOTE_SECONDS * fps))
+    return slow_and_low(speed, sensors[..., 1], fps, rule)
+
+
+def slow_and_low(
+    speeds: Float[ndarray, "frames feet"], heights: Float[ndarray, "frames feet"], fps: float, rule: ContactRule
+) -> Bool[ndarray, "frames feet"]:
+    """Contacts of feet with these speeds (m/s) and heights (m), against the take's own floor, after the vote."""
+    floor = np.percentile(heights.min(axis=1), _FLOOR_PERCENTILE)
+    return majority((speeds < rule.speed) & (heights < floor + rule.height), round(_VOTE_SECONDS * fps))
 
 
 def majority(raw: Bool[ndarray, "frames feet"], reach: int) -> Bool[ndarray, "frames feet"]:

@@ -78,12 +78,12 @@ def sourcing(takes: Sequence[Movement], *, sources: str = "hybrid", contact_free
             raise InputError(f"no foot {name!r}; {hint(name, EFFECTOR_NAMES[2:])}")
     centred = np.concatenate([take.places - take.places.mean(axis=0) for take in takes])
     directions = np.stack([principal_direction(centred[:, k]) for k in range(4)])
-    touching = [
-        name not in contact_free and _touches(takes, foot, directions[2 + foot])
+    by_contact = [
+        sources == "contact-based"
+        or (sources == "hybrid" and name not in contact_free and _touches(takes, foot, directions[2 + foot]))
         for foot, name in enumerate(EFFECTOR_NAMES[2:])
     ]
-    chosen = {"hybrid": touching, "contact-based": [True, True], "contact-free": [False, False]}[sources]
-    return Sourcing(directions, (chosen[0], chosen[1]))
+    return Sourcing(directions, (by_contact[0], by_contact[1]))
 
 
 def _touches(takes: Sequence[Movement], foot: int, direction: Float[ndarray, "3"]) -> bool:
