@@ -515,7 +515,7 @@ with plots.style():
     above.set(xlabel="length of a cycle (frames of 60 a second)", ylabel="feet, wrong frames (%)")
     below.set(xlabel="time (s)", ylabel="phase (cycles)", title=f"Left foot of {slow}", xlim=(0, 8))
     above.legend(loc="upper left", title="window")
-    below.legend(loc="lower left", ncols=3, bbox_to_anchor=(0.3, 1.0), fontsize=8)
+    below.legend(loc="lower left", ncols=3, bbox_to_anchor=(0.36, 1.0), fontsize=8)
 save(above, "window", "Share of wrong frames against the length of the cycle for windows of one second and one cycle.")
 
 # %% [markdown]
