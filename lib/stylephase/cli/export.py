@@ -8,11 +8,8 @@ import typer
 from stylephase.cli.output import AsJson, emit
 from stylephase.errors import InputError
 from stylephase.files import replacing, write_arrays
-from stylephase.models.bundle import load_bundle
-from stylephase.models.released import release_bundle
+from stylephase.models.released import load_weights
 from stylephase.runtime.graph import to_onnx
-
-_RELEASE = "release"
 
 
 def export(
@@ -27,7 +24,7 @@ def export(
     """
     if onnx.suffix != ".onnx":
         raise InputError("expected a name that ends in .onnx", onnx)
-    bundle = release_bundle() if weights == _RELEASE else load_bundle(weights)
+    bundle = load_weights(weights)
     model = to_onnx(bundle)
     with replacing(onnx) as temporary:
         temporary.write_bytes(model.SerializeToString())

@@ -12,8 +12,7 @@ from tqdm import tqdm
 from stylephase.cli.output import AsJson, emit
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
-from stylephase.models.bundle import Bundle, load_bundle
-from stylephase.models.released import release_bundle
+from stylephase.models.released import RELEASE, load_weights
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
 from stylephase.runtime.calibration import calibrate, speed_of, warm_start
@@ -21,8 +20,6 @@ from stylephase.runtime.export import write_motion
 from stylephase.runtime.plans import FollowPath, Steady, read_path
 from stylephase.runtime.rollout import Rollout, mixed_code, parse_mixture, roll_out, to_clip
 
-# The word for the authors' released weights; a folder of that name is ./release.
-RELEASE = "release"
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
@@ -48,7 +45,7 @@ def rollout(
     _check(out, seconds, speed, (turn, strafe), path)
     points = None if path is None else read_path(path)
     mixture = parse_mixture(style)
-    bundle = _bundle(weights)
+    bundle = load_weights(weights)
     code = mixed_code(bundle, mixture)[None]
     target = np.array([speed])
     # The authors' weights walk under the authors' own controller.
@@ -83,10 +80,6 @@ def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float]
         raise InputError(f"--turn and --strafe should be numbers of degrees, at most {_MOST_TURN:g} either way")
     if path is not None and any(degrees):
         raise InputError("--path says where to go; it goes with neither --turn nor --strafe")
-
-
-def _bundle(weights: str) -> Bundle:
-    return release_bundle() if weights == RELEASE else load_bundle(weights)
 
 
 def _write(out: Path, clip: Clip, contacts: ndarray, label: str) -> None:

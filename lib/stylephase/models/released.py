@@ -19,10 +19,12 @@ from stylephase.data.registry import dataset, released_weights
 from stylephase.errors import InputError
 from stylephase.features.body import body_of
 from stylephase.features.normaliser import Normaliser
-from stylephase.models.bundle import Bundle, build_network
+from stylephase.models.bundle import Bundle, build_network, load_bundle
 from stylephase.models.lpn import NetworkSettings, SynthesisNetwork
 
 STYLES = 100
+# The word for the authors' released weights; a folder of that name is ./release.
+RELEASE = "release"
 _INPUTS, _PHASES, _OUTPUTS = 348, 8, 342
 _SETTINGS = NetworkSettings()
 _STATISTICS = {"x": ("X", _INPUTS), "p": ("GT_X", _PHASES), "y": ("Y", _OUTPUTS)}
@@ -70,6 +72,11 @@ def style_names() -> tuple[str, ...]:
     """Names of the styles in the order of the release's codes."""
     names = sorted({entry.style for entry in published_entries()})
     return (*(name for name in names if name not in _LATER), *_LATER)
+
+
+def load_weights(weights: str) -> Bundle:
+    """The authors' release where that is asked for, else the trained model in a folder; raises as either does."""
+    return release_bundle() if weights == RELEASE else load_bundle(weights)
 
 
 def release_bundle() -> Bundle:
