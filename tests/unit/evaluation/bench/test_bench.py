@@ -48,7 +48,7 @@ def test_the_frame_rows_run(monkeypatch):
     for name, value in {"_ROUNDS": 1, "_EACH": 2, "_CROWD": 3, "_WARM": 2}.items():
         monkeypatch.setattr(frames, name, value)
     rows = frames.frame_rows()
-    assert len(rows) == 6 and all(row.ours > 0 and row.reference > 0 for row in rows)
+    assert len(rows) == 7 and all(row.ours > 0 and row.reference > 0 for row in rows)
 
 
 def test_the_command_prints_each_row(monkeypatch, capsys):
