@@ -17,7 +17,7 @@ def export(
     onnx: Annotated[Path, typer.Option(help="FILE.onnx; the styles' codes go into FILE.npz beside it.")],
     as_json: AsJson = False,
 ) -> None:
-    """Write the run-time network: x and y in metres, what the gate looks at and a style code in, the normalisation inside.
+    """Write the run-time network: in come x in metres, what the gate looks at and a style code, out comes y in metres.
 
     The codes of the styles are written beside it, by name. Weights of others keep their licence, which is noted in
     the file.
