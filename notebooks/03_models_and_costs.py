@@ -35,8 +35,8 @@ from torch.nn import functional
 from stylephase.data.archive import where
 from stylephase.data.registry import DATA, released_weights
 from stylephase.data.registry import dataset as find_dataset
-from stylephase.evaluation.bench.models import frame_times
-from stylephase.evaluation.bench.ratios import rank_correlation, ratios, swapped
+from stylephase.evaluation.bench.models import frame_runs, spread
+from stylephase.evaluation.bench.ratios import paired_ratios, rank_correlation, ratios, swapped
 from stylephase.evaluation.bench.rows import interleaved, threads
 from stylephase.evaluation.budget.paper_2022 import PUBLISHED, STYLES, counts_of, table_2
 from stylephase.evaluation.budget.rows import built, parameters
@@ -212,14 +212,15 @@ save(axes, "", alt)
 # One thread, one character, five runs in which the models take turns, by the clock of the processor. The PFNN keeps
 # its weights at 50 phases, as in both papers. Times of another machine cannot be compared. What can be are ratios, each
 # model's time over that of PFNN one-hot, the fastest in print, and the order of the seven. A ratio is reproduced where
-# it lies within two joint deviations of the printed one.
+# it lies within two joint deviations of the printed one, of which ours may be a twentieth of the ratio.
 
 # %%
 REFERENCE = "pfnn-onehot"
 CLAIMS = recorder.catalogue.claims
 PRINTED = {name: tuple(CLAIMS[f"m22-table2-{name}-runtime"].paper_value) for name in PAPER_2022}
-times = frame_times(WIDTHS, styles=STYLES)
-share, printed_share = ratios(times, REFERENCE), ratios(PRINTED, REFERENCE)
+runs = frame_runs(WIDTHS, styles=STYLES)
+times = {name: spread(values) for name, values in runs.items()}
+share, printed_share = paired_ratios(runs, REFERENCE), ratios(PRINTED, REFERENCE)
 table(
     ("model", "ours (ms)", "paper (ms)", "ours over PFNN one-hot", "paper's", "agree"),
     *(
@@ -253,7 +254,8 @@ with plots.style():
 save(axes, "-times", "Time of a frame over PFNN one-hot's, ours and the paper's, for the seven models.")
 
 # %%
-pairs, correlation = swapped(times, PRINTED), rank_correlation(times, PRINTED)
+measured = {name: (ratio.value, ratio.deviation) for name, ratio in share.items()}
+pairs, correlation = swapped(measured, PRINTED), rank_correlation(measured, PRINTED)
 film_costs = {b: times[f"{b}-film"][0] - times[f"{b}-onehot"][0] for b in ("pfnn", "lpn")}
 film_costs_printed = {b: PRINTED[f"{b}-film"][0] - PRINTED[f"{b}-onehot"][0] for b in film_costs}
 places = ", ".join(f"{slow} before {fast}" for fast, slow in pairs) or "none"

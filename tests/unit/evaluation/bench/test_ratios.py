@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stylephase.evaluation.bench.ratios import Ratio, rank_correlation, ratios, swapped
+from stylephase.evaluation.bench.ratios import Ratio, paired_ratios, rank_correlation, ratios, swapped
 
 PRINTED = {"a": (1.0, 0.01), "b": (2.0, 0.02), "c": (2.01, 0.02), "d": (4.0, 0.1)}
 
@@ -15,9 +15,19 @@ def test_a_ratio_has_the_deviation_of_a_quotient():
     assert found.value == 4.0 and found.deviation == pytest.approx(drawn.std(), rel=0.02)
 
 
+def test_a_run_that_is_slow_for_all_does_not_blur_paired_ratios():
+    runs = {"a": [1.0, 3.0, 2.0], "b": [2.0, 6.0, 4.2]}
+    assert paired_ratios(runs, "a")["b"].value == pytest.approx(2.0)
+    assert paired_ratios(runs, "a")["b"].deviation == pytest.approx(0.0471, abs=1e-4)
+
+
 def test_ratios_agree_within_two_of_their_joint_deviations():
-    assert Ratio(2.0, 0.3).agrees(Ratio(2.9, 0.4)) and Ratio(2.9, 0.4).agrees(Ratio(2.0, 0.3))
-    assert not Ratio(2.0, 0.3).agrees(Ratio(3.1, 0.4))
+    assert Ratio(2.0, 0.03).agrees(Ratio(2.09, 0.04)) and Ratio(2.09, 0.03).agrees(Ratio(2.0, 0.04))
+    assert not Ratio(2.0, 0.03).agrees(Ratio(2.11, 0.04))
+
+
+def test_noise_of_ours_does_not_make_them_agree():
+    assert Ratio(2.0, 0.1).agrees(Ratio(2.19, 0.0)) and not Ratio(2.0, 1.0).agrees(Ratio(2.21, 0.0))
 
 
 def test_a_machine_that_is_twice_as_fast_changes_nothing():
