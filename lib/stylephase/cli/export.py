@@ -30,8 +30,8 @@ def export(
         temporary.write_bytes(model.SerializeToString())
     codes = onnx.with_suffix(".npz")
     write_arrays(codes, **{style: code.numpy() for style, code in bundle.codes.items()})
-    layout, licence = bundle.body.layout, bundle.about.get("licence")
-    widths = {"x": layout.inputs, "phases": layout.phases, "code": 4 * bundle.settings.units, "y": layout.outputs}
+    layout, licence = bundle.layout, bundle.about.get("licence")
+    widths = {"x": layout.inputs, "phases": layout.gate_inputs, "code": 4 * bundle.settings.units, "y": layout.outputs}
     result = {"onnx": onnx, "codes": codes, "styles": len(bundle.codes), "widths": widths, "licence": licence}
     text = f"{onnx}: {', '.join(f'{name} {width}' for name, width in widths.items())}; {licence}\n{codes}: "
     emit(result, as_json=as_json, text=text + f"codes of {len(bundle.codes)} styles")

@@ -8,21 +8,19 @@ from tqdm import tqdm
 
 from stylephase.cli.output import AsJson, emit
 from stylephase.data.catalogue import load_catalogue
-from stylephase.errors import InputError
 from stylephase.features.store import VectorStore
 from stylephase.files import read_json
 from stylephase.models.bundle import Bundle, is_bundle, load_bundle
+from stylephase.models.zoo import MODELS
+from stylephase.models.zoo import model as find_model
 from stylephase.training.checkpoint import LOG, check_folder, remove_checkpoint
 from stylephase.training.loop import Trainer, identity_of
 from stylephase.training.presets import Preset
 from stylephase.training.presets import preset as find_preset
 
-_MODELS = ("pfnn-onehot", "lpn-onehot", "pfnn-resad", "lpn-resad", "pfnn-film", "mann-film", "lpn-film")
-_BUILT = ("lpn-film",)
-
 
 def train(
-    model: Annotated[str, typer.Option(help="lpn-film")],
+    model: Annotated[str, typer.Option(help=", ".join(MODELS))],
     data: Annotated[str, typer.Option(help="A data set's name, or own:FOLDER.")],
     out: Annotated[Path, typer.Option(help="Folder for weights, log and checkpoints.")],
     preset: Annotated[str, typer.Option(help="quick, cpu or paper")] = "cpu",
@@ -35,7 +33,7 @@ def train(
 
     With --resume an interrupted run in the folder goes on, and a finished one is left as it is.
     """
-    _check_model(model)
+    find_model(model)
     how = find_preset(preset)
     catalogue = load_catalogue(data, None if styles is None else styles.split(","))
     store = VectorStore(catalogue, how.phases)
@@ -50,13 +48,6 @@ def train(
     if last["validation_mse"] is not None:
         text += f", validation error {last['validation_mse']:.4f}"
     emit({"out": out, "about": about, "last": last}, as_json=as_json, text=text)
-
-
-def _check_model(model: str) -> None:
-    if model not in _MODELS:
-        raise InputError(f"no model {model!r}; there are {', '.join(_MODELS)}")
-    if model not in _BUILT:
-        raise InputError(f"the model {model} is not built yet; so far there is {', '.join(_BUILT)}")
 
 
 def _run(store: VectorStore, model: str, how: Preset, preset: str, seed: int, out: Path) -> Bundle:

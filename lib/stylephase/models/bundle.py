@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ from stylephase.features.layout import Layout
 from stylephase.features.normaliser import Normaliser
 from stylephase.files import read_json, replacing, write_json
 from stylephase.models.generator import GeneratorSettings
-from stylephase.models.lpn import LpnFilm, NetworkSettings
+from stylephase.models.synthesis import NetworkSettings, StyledNetwork
+from stylephase.models.zoo import build, layout_for, widths_of
 
 _WEIGHTS, _MODEL = "weights.safetensors", "model.json"
 
@@ -30,7 +32,7 @@ class Bundle:
     """
 
     model: str
-    network: LpnFilm
+    network: StyledNetwork
     settings: NetworkSettings
     body: Body
     normaliser: Normaliser
@@ -42,6 +44,11 @@ class Bundle:
         """Names of the styles that have a code."""
         return tuple(self.codes)
 
+    @cached_property
+    def layout(self) -> Layout:
+        """Layout of the vectors that the network takes and gives."""
+        return layout_for(self.model, self.body.layout)
+
     def code(self, style: str) -> Float[Tensor, " values"]:
         """The style's code; raises InputError with the styles spelt alike, or else all."""
         if style not in self.codes:
@@ -49,10 +56,9 @@ class Bundle:
         return self.codes[style]
 
 
-def build_network(body: Body, settings: NetworkSettings) -> LpnFilm:
-    """An untrained LPN-FiLM for a body."""
-    layout = body.layout
-    return LpnFilm(layout.inputs, layout.pose, layout.phases, layout.outputs, settings)
+def build_network(model: str, body: Body, styles: int, settings: NetworkSettings) -> StyledNetwork:
+    """An untrained network for a body and a number of styles; raises InputError for an unknown model."""
+    return build(model, widths_of(model, body.layout), styles, settings)
 
 
 def save_tensors(path: Path, tensors: dict[str, Tensor]) -> None:
@@ -103,9 +109,9 @@ def load_bundle(folder: str | Path) -> Bundle:
     tensors = load_tensors(folder / _WEIGHTS)
     try:
         settings, body = _settings(described["settings"]), body_from_json(described["body"])
-        network = build_network(body, settings)
         model, styles, about = described["model"], described["styles"], dict(described["about"])
-        shapes = _shapes(network, body.layout, styles, 4 * settings.units)
+        network = build_network(model, body, len(styles), settings)
+        shapes = _shapes(network, layout_for(model, body.layout), styles)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError, RuntimeError) as error:
         raise _no_model(folder, error) from error
     _check_shapes(tensors, shapes, folder / _WEIGHTS)
@@ -120,12 +126,12 @@ def _no_model(folder: Path, error: Exception) -> InputError:
     return InputError(f"does not describe a trained model: {what}", folder / _MODEL)
 
 
-def _shapes(network: LpnFilm, layout: Layout, styles: list[str], code: int) -> dict[str, tuple[int, ...]]:
+def _shapes(network: StyledNetwork, layout: Layout, styles: list[str]) -> dict[str, tuple[int, ...]]:
     """Shape of each tensor that a bundle must hold."""
     shapes = {f"network.{name}": tuple(tensor.shape) for name, tensor in network.state_dict().items()}
-    widths = {"x": layout.inputs, "p": layout.phases, "y": layout.outputs}
+    widths = {"x": layout.inputs, "p": layout.gate_inputs, "y": layout.outputs}
     shapes |= {f"normaliser.{field.name}": (widths[field.name[0]],) for field in fields(Normaliser)}
-    return shapes | {f"code.{style}": (code,) for style in styles}
+    return shapes | {f"code.{style}": (network.synthesis.modulator.values,) for style in styles}
 
 
 def _check_shapes(tensors: dict[str, Tensor], shapes: dict[str, tuple[int, ...]], path: Path) -> None:

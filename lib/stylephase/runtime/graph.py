@@ -118,8 +118,8 @@ def _film(g: _Graph, f: str, units: int, scale: str, shift: str) -> str:
 
 
 def _model(g: _Graph, bundle: Bundle) -> onnx.ModelProto:
-    layout, rows = bundle.body.layout, "rows"
-    widths = {"x": layout.inputs, "phases": layout.phases, "code": 4 * bundle.settings.units}
+    layout, rows = bundle.layout, "rows"
+    widths = {"x": layout.inputs, "phases": layout.gate_inputs, "code": 4 * bundle.settings.units}
     inputs = [helper.make_tensor_value_info(name, TensorProto.FLOAT, [rows, w]) for name, w in widths.items()]
     output = helper.make_tensor_value_info("y", TensorProto.FLOAT, [rows, layout.outputs])
     graph = helper.make_graph(g.nodes, bundle.model, inputs, [output], list(g.constants.values()))

@@ -1,4 +1,4 @@
-"""The training loop of LPN-FiLM ([M22] 4.3), with checkpoints that a killed run resumes from exactly."""
+"""The training loop of all models ([M22] 4.3), with checkpoints that a killed run resumes from exactly."""
 
 import math
 import time
@@ -12,12 +12,13 @@ from torch import Tensor
 
 from stylephase.errors import InputError
 from stylephase.features.normaliser import Normaliser, normaliser_of
-from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.files import write_json
 from stylephase.models.bundle import Bundle, build_network, save_bundle
+from stylephase.models.zoo import layout_for, style_codes
 from stylephase.training import checkpoint
 from stylephase.training.checkpoint import LOG
-from stylephase.training.codes import style_code
+from stylephase.training.codes import stored_codes
 from stylephase.training.losses import bone_length_loss, bone_lengths, squared_error
 from stylephase.training.presets import Preset
 from stylephase.training.progress import validate
@@ -32,25 +33,32 @@ def identity_of(store: VectorStore, model: str, preset: Preset, preset_name: str
 
 
 class Trainer:
-    """One training run: data in memory, network, two optimisers, and all random state."""
+    """One training run: data in memory, network, optimisers, and all random state.
+
+    A FiLM generator learns from clips, with an optimiser of its own; other models are told the style's number.
+    """
 
     def __init__(self, store: VectorStore, model: str, preset: Preset, preset_name: str, seed: int):
         self.store, self.model, self.preset, self.preset_name, self.seed = store, model, preset, preset_name, seed
         self.identity = identity_of(store, model, preset, preset_name, seed)
-        self.styles: list[StyleVectors] = [store.load(style) for style in store.catalogue.styles]
         self.body = store.body
-        self.normaliser: Normaliser = normaliser_of(self.styles, self.body.layout)
-        self.scaling = Scaling(self.normaliser, self.body.layout)
+        layout = layout_for(model, self.body.layout)
+        self.styles: list[StyleVectors] = [for_gate(store.load(style), layout) for style in store.catalogue.styles]
+        self.normaliser: Normaliser = normaliser_of(self.styles, layout)
+        self.scaling = Scaling(self.normaliser, layout)
         torch.manual_seed(seed)
         self.rng = np.random.default_rng(seed)
-        self.network = build_network(self.body, preset.network)
-        self.network.generator.start_neutral()
+        self.network = build_network(model, self.body, len(self.styles), preset.network)
+        self.generator = self.network.generator
         self.sampler = Sampler(self.styles, self.scaling, self.rng, preset.style_power)
         self.lengths = bone_lengths(self.body)
         self.optimisers: checkpoint.Optimisers = {
-            "synthesis": torch.optim.Adam(self.network.synthesis.parameters(), lr=preset.network_rate, fused=True),
-            "generator": torch.optim.Adam(self.network.generator.parameters(), lr=preset.generator_rate, fused=True),
+            "synthesis": torch.optim.Adam(self.network.synthesis.parameters(), lr=preset.network_rate, fused=True)
         }
+        if self.generator is not None:
+            self.generator.start_neutral()
+            rate = preset.generator_rate
+            self.optimisers["generator"] = torch.optim.Adam(self.generator.parameters(), lr=rate, fused=True)
         self.step, self.seconds, self.processor_seconds, self.log = 0, 0.0, 0.0, []
         self._clocks = (0.0, 0.0)
 
@@ -100,17 +108,23 @@ class Trainer:
         self.network.train()
         how, chosen = self.preset, self.sampler.draw_styles(self.preset.styles_per_step)
         self._set_rates()
-        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=how.mixed):
-            codes = self.network.generator(self.sampler.draw_clips(chosen))
-        shared = codes.detach().requires_grad_()
+        codes = self._codes(chosen)
+        shared = codes.detach().requires_grad_(codes.requires_grad)
         errors = [self._synthesis_step(chosen, shared) for _ in range(how.steps_per_code)]
-        assert shared.grad is not None
-        self.optimisers["generator"].zero_grad(set_to_none=True)
-        codes.backward(shared.grad / how.steps_per_code)
-        self.optimisers["generator"].step()
+        if shared.grad is not None:
+            self.optimisers["generator"].zero_grad(set_to_none=True)
+            codes.backward(shared.grad / how.steps_per_code)
+            self.optimisers["generator"].step()
         self.step += how.steps_per_code
         mse, bll = np.mean(errors, axis=0)
         return {"mse": float(mse), "bll": float(bll)}
+
+    def _codes(self, chosen: np.ndarray) -> Tensor:
+        """Codes of the styles drawn: of a clip of each, or which style it is."""
+        if self.generator is None:
+            return style_codes(self.network, len(self.styles))[chosen]
+        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=self.preset.mixed):
+            return self.generator(self.sampler.draw_clips(chosen))
 
     def _synthesis_step(self, chosen: np.ndarray, codes: Tensor) -> tuple[float, float]:
         batch = self.sampler.draw_frames(chosen, self.preset.frames_per_style)
@@ -126,9 +140,10 @@ class Trainer:
 
     def _set_rates(self) -> None:
         factor = rate_factor(self.step, self.preset)
-        for name, rate in (("synthesis", self.preset.network_rate), ("generator", self.preset.generator_rate)):
-            for group in self.optimisers[name].param_groups:
-                group["lr"] = rate * factor
+        rates = {"synthesis": self.preset.network_rate, "generator": self.preset.generator_rate}
+        for name, optimiser in self.optimisers.items():
+            for group in optimiser.param_groups:
+                group["lr"] = rates[name] * factor
 
     def save(self, out: Path) -> None:
         """Write a checkpoint. Raises InputError where it cannot be written, or where the weights are not finite."""
@@ -155,7 +170,7 @@ class Trainer:
     def finish(self, out: Path) -> Bundle:
         """Write the trained model, then remove the checkpoint."""
         self.network.eval()
-        codes = {style.style: style_code(self.network.generator, style, self.scaling) for style in self.styles}
+        codes = stored_codes(self.network, self.styles, self.scaling)
         bundle = Bundle(self.model, self.network, self.preset.network, self.body, self.normaliser, codes, self._about())
         save_bundle(out, bundle)
         checkpoint.remove_checkpoint(out)

@@ -27,7 +27,7 @@ def folder(bundle, tmp_path) -> Path:
 def outputs(bundle: Bundle, style: str) -> torch.Tensor:
     layout = bundle.body.layout
     generator = torch.Generator().manual_seed(1)
-    x, p = (torch.randn(4, width, generator=generator) for width in (layout.inputs, layout.phases))
+    x, p = (torch.randn(4, width, generator=generator) for width in (layout.inputs, layout.gate_inputs))
     clip = torch.randn(1, 240, layout.pose, generator=generator)
     with torch.inference_mode():
         codes = torch.cat([bundle.code(style)[None].expand(3, -1), bundle.network.generator(clip)])

@@ -32,7 +32,7 @@ def bundle() -> Bundle:
 
 def inputs(bundle: Bundle, rows: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rng, layout = np.random.default_rng(1), bundle.body.layout
-    return tuple(rng.normal(size=(rows, width)) for width in (layout.inputs, layout.phases, 4 * SMALL.units))
+    return tuple(rng.normal(size=(rows, width)) for width in (layout.inputs, layout.gate_inputs, 4 * SMALL.units))
 
 
 def by_torch(bundle: Bundle, x: np.ndarray, p: np.ndarray, code: np.ndarray) -> np.ndarray:
