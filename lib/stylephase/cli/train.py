@@ -1,5 +1,6 @@
 """Train a model on a data set."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -27,6 +28,9 @@ def train(
     preset: Annotated[str, typer.Option(help="quick, cpu or paper")] = "cpu",
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     styles: Annotated[str | None, typer.Option(help="Names of styles, with commas between; left out: all.")] = None,
+    input_dropout: Annotated[
+        float | None, typer.Option(min=0.0, max=0.9, help="Dropout of the input in place of the preset's.")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -37,6 +41,9 @@ def train(
     """
     find_model(model)
     how = find_preset(preset)
+    if input_dropout is not None:
+        how = replace(how, network=replace(how.network, input_rate=input_dropout))
+        preset = f"{preset} with input dropout {input_dropout:g}"
     catalogue = load_catalogue(data, None if styles is None else styles.split(","))
     store = VectorStore(catalogue, how.phases)
     check_folder(out, identity_of(store, model, how, preset, seed), resume=resume)
