@@ -36,7 +36,7 @@ class Rollout:
     root_positions: Float[ndarray, "frames characters 2"]
     root_angles: Float[ndarray, "frames characters"]
     contacts: Float[ndarray, "frames characters 2"]
-    phases: Float[ndarray, "frames characters 8"]
+    phases: Float[ndarray, "frames characters gate_inputs"]
 
     def __len__(self) -> int:
         return len(self.positions)

@@ -36,7 +36,7 @@ def bundle() -> Bundle:
 
 def inputs(bundle: Bundle, rows: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rng, layout = np.random.default_rng(1), bundle.body.layout
-    return tuple(rng.normal(size=(rows, width)) for width in (layout.inputs, layout.phases, 4 * SMALL.units))
+    return tuple(rng.normal(size=(rows, width)) for width in (layout.inputs, layout.gate_inputs, 4 * SMALL.units))
 
 
 def by_torch(bundle: Bundle, x: np.ndarray, p: np.ndarray, code: np.ndarray) -> np.ndarray:
@@ -102,7 +102,7 @@ def test_8_bits_hold_each_weight_to_half_a_step_of_its_block():
 def test_the_file_names_its_inputs_and_where_the_weights_come_from(bundle):
     model = to_onnx(replace(bundle, about={"data": "made", "licence": "none"}))
     layout = bundle.body.layout
-    widths = {"x": layout.inputs, "phases": layout.phases, "code": 4 * SMALL.units, "y": layout.outputs}
+    widths = {"x": layout.inputs, "phases": layout.gate_inputs, "code": 4 * SMALL.units, "y": layout.outputs}
     assert widths_of(model) == widths and list(widths_of(model)) == list(widths)
     assert {entry.key: entry.value for entry in model.metadata_props} == {"data": "made", "licence": "none"}
     onnx.checker.check_model(model, full_check=True)
