@@ -145,7 +145,7 @@ def turned(state: State, angle: float, shift: np.ndarray) -> State:
 
 
 class Obedient(torch.nn.Module):
-    """A network that keeps a pose and goes along the path that it is shown, at the speed of its first fifth of a second.
+    """A network that keeps a pose and goes along the path that it is shown, at the speed of the path's beginning.
 
     The pose leans with the first number of the style code.
     """

@@ -19,7 +19,7 @@ from stylephase.runtime.rollout import Tick, quiet, roll_out
 # Gains (m/s) at which each style is let walk, for so long (s); the speed is that of the second half.
 _GAINS = np.array([0.15, 0.3, 0.6, 0.9, 1.3, 1.8, 2.5, 3.5, 5.0, 7.0, 10.0, 14.0])
 _SECONDS = 8.0
-# Where the next gain is so much faster (m/s), the walker changes its gait between the two, and no speed between is held.
+# Where the next gain is so much faster (m/s), the gait changes between the two, and no speed between is held.
 _LEAP = 0.8
 
 
