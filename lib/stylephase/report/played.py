@@ -1,5 +1,6 @@
 """What the notebook of the played character measures and shows."""
 
+import copy
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -33,7 +34,7 @@ _SPEED_SECONDS, _CROWD_SECONDS = 10.0, 4.0
 # Gain of the release's documented set-up ([M22] release 5.2).
 _RELEASE_GAIN = 6.0
 # Noise on all weights, against their own deviation.
-_SHAKE = 0.5
+_SHAKE = 2.0
 
 
 def speeds_at(
@@ -76,6 +77,13 @@ def round_trip(player: Player, styles: Sequence[str], seconds: float) -> list[St
         states.append(player.step())
     player.hold(())
     return states
+
+
+def corner_walk(player: Player, corner: int, seconds: float) -> list[State]:
+    """States of a walk ahead in the style of one corner, once the mixture has become it."""
+    player.mix(CORNERS[corner])
+    scripted(player, [("w", 2)])
+    return scripted(player, [("w", seconds)])
 
 
 def as_rollout(states: Sequence[State]) -> Rollout:
@@ -137,8 +145,6 @@ def one_clip_codes(bundle: Bundle, styles: Sequence[StyleVectors]) -> Float[Tens
 
 def shaken(bundle: Bundle, seed: int = 0) -> Bundle:
     """The same network with noise on its weights: what a check must find broken."""
-    import copy
-
     network, generator = copy.deepcopy(bundle.network), torch.Generator().manual_seed(seed)
     with torch.no_grad():
         for weight in network.synthesis.parameters():
