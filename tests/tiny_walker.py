@@ -164,3 +164,26 @@ def turned(state: State, angle: float, shift: np.ndarray) -> State:
         rotations=world @ state.rotations,
         velocities=state.velocities @ world.T,
     )
+
+
+class Obedient(torch.nn.Module):
+    """A network that keeps a pose and goes along the path that it is shown, at the speed of the path's beginning.
+
+    The pose leans with the first number of the style code.
+    """
+
+    def forward(self, x: torch.Tensor, p: torch.Tensor, code: torch.Tensor) -> torch.Tensor:
+        n, layout = statistics(), BODY.layout
+        seen = x.double() * torch.from_numpy(n.x_std) + torch.from_numpy(n.x_mean)
+        ahead = seen[:, layout.x_trajectory].reshape(len(x), -1, 4)[:, 6:]
+        step = torch.zeros_like(ahead[:, :1])
+        step[..., :2] = ahead[:, 1:2, :2] / 12
+        turned = torch.nn.functional.normalize(ahead[:, :1, 2:] * 11 / 12 + ahead[:, 1:2, 2:] / 12, dim=-1)
+        samples = torch.cat([torch.cat([step[..., :2], turned], dim=-1), ahead[:, 1:] + step], dim=1)
+        still = torch.from_numpy(take().vectors.y[0]).expand(len(x), -1).clone()
+        still[:, layout.y_trajectory] = samples.reshape(len(x), -1)
+        joints = still[:, layout.y_pose].reshape(len(x), -1, 4, 3)
+        joints[:, :, 0, 2] += step[:, :1, 1] + 0.1 * code[:, :1] * joints[:, :, 0, 1]
+        joints[:, :, 0, 0] += step[:, :1, 0]
+        joints[:, :, 3] = 60 * torch.cat([step[..., :1], 0 * step[..., :1], step[..., 1:2]], dim=-1)
+        return ((still - torch.from_numpy(n.y_mean)) / torch.from_numpy(n.y_std)).float()

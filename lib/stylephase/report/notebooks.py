@@ -86,9 +86,15 @@ def write_notebook(notebook: NotebookNode, path: Path) -> None:
 
 
 def clean(notebook: NotebookNode) -> NotebookNode:
-    """A copy of an executed notebook without what changes from run to run: times, places, progress bars."""
-    notebook = copy.deepcopy(notebook)
-    notebook.metadata = NotebookNode(kernelspec=NotebookNode(KERNEL), language_info=NotebookNode(name="python"))
+    """A copy of an executed notebook without what changes from run to run: times, places, progress bars.
+
+    The state of widgets stays, so that they show something without a kernel.
+    """
+    notebook = _named_widgets(copy.deepcopy(notebook))
+    widgets = {"widgets": notebook.metadata.widgets} if "widgets" in notebook.metadata else {}
+    notebook.metadata = NotebookNode(
+        kernelspec=NotebookNode(KERNEL), language_info=NotebookNode(name="python"), **widgets
+    )
     for number, cell in enumerate(notebook.cells):
         tags = cell.metadata.get("tags")
         cell.metadata = NotebookNode(tags=tags) if tags else NotebookNode()
@@ -97,6 +103,17 @@ def clean(notebook: NotebookNode) -> NotebookNode:
         cell.id = f"cell-{number:02d}"
         if cell.cell_type == "code":
             cell.outputs = _settled(cell.outputs)
+    return notebook
+
+
+def _named_widgets(notebook: NotebookNode) -> NotebookNode:
+    """The same with widgets numbered, as their names are random."""
+    for states in notebook.metadata.get("widgets", {}).values():
+        text = nbformat.writes(notebook)
+        order = sorted(states.state, key=lambda name: states.state[name].model_name)
+        for number, name in enumerate(order):
+            text = text.replace(name, f"widget-{number:02d}")
+        notebook = nbformat.reads(text, as_version=4)
     return notebook
 
 

@@ -21,6 +21,8 @@ _ROUNDS = 3
 _TRIAL_SECONDS = 6.0
 _SPEED_WINDOW = 0.5
 _WARM_UP_SECONDS = 3.0
+# Asked for less at the start, some styles set off backwards and keep to it.
+_WARM_UP_GAIN = 3.0
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -41,7 +43,8 @@ def warm_start(
     """Characters at the origin, facing +z, after some seconds of walking that began at the mean frame of the data."""
     n = bundle.normaliser
     x, p = (np.tile(mean, (len(codes), 1)) for mean in (n.x_mean, n.p_mean))
-    controller, plan = Controller(bundle, codes, ControllerSettings()), Steady(speeds)
+    plan = Steady(np.maximum(speeds, _WARM_UP_GAIN))
+    controller = Controller(bundle, codes, ControllerSettings())
     state = start_state(x, p, bundle.layout)
     for frame in range(int(_WARM_UP_SECONDS * FPS)):
         state = controller.step(state, plan(frame, state))

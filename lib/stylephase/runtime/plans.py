@@ -28,6 +28,8 @@ class OnPath(Protocol):
 Plan = Callable[[int, OnPath], Steering]
 # A character on a path heads for the point this far ahead on it, and gets on by at most so much in a frame (m).
 _LOOK_AHEAD, _REACH = 0.8, 2.0
+# Points nearer to each other than this (m) are one.
+_SAME = 1e-6
 
 
 def heading(angles: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2"]:
@@ -73,10 +75,16 @@ class FollowPath:
     """Follow a path of ground points (x, z) in metres, facing along it; past its end, go on straight.
 
     How far each character has come is kept from frame to frame and never falls, so a path may cross itself or close.
-    Frame 0 begins anew. Neighbouring points must differ.
+    Frame 0 begins anew. Raises InputError for points that are not finite or lie all in one place; of neighbours in one
+    place, one counts.
     """
 
     def __init__(self, points: Float[ndarray, "points 2"], speeds: Float[ndarray, " characters"]):
+        if not np.isfinite(points).all():
+            raise InputError("a path should be of finite numbers")
+        points = points[np.insert(np.linalg.norm(np.diff(points, axis=0), axis=1) > _SAME, 0, True)]
+        if len(points) < 2:
+            raise InputError("a path needs two different points")
         self.points, self.speeds = points, speeds
         self.steps = np.diff(points, axis=0)
         self.lengths = np.linalg.norm(self.steps, axis=1)

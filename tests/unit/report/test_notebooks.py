@@ -313,3 +313,21 @@ class TestSeries:
             "it shows nothing",
             "it holds what changes from run to run",
         ]
+
+
+def test_the_state_of_widgets_is_kept_under_names_that_do_not_change():
+    """Without it a saved notebook shows nothing where a widget was; with random names no two runs would be equal."""
+
+    def executed(ids: list[str]) -> nbformat.NotebookNode:
+        view = {"application/vnd.jupyter.widget-view+json": {"model_id": ids[1]}, "text/plain": "Viewer()"}
+        cell = nbformat.v4.new_code_cell("viewer", outputs=[nbformat.v4.new_output("execute_result", data=view)])
+        states = {name: {"model_name": kind, "state": {}} for name, kind in zip(ids, ("Layout", "View"), strict=True)}
+        states[ids[1]]["state"]["layout"] = f"IPY_MODEL_{ids[0]}"
+        kept = {"application/vnd.jupyter.widget-state+json": {"state": states, "version_major": 2}}
+        return nbformat.v4.new_notebook(cells=[cell], metadata={"widgets": kept})
+
+    one, other = (notebooks.clean(executed(ids)) for ids in (["ab12cd", "ef34ab"], ["99ffee", "00aabb"]))
+    assert one == other
+    states = one.metadata.widgets["application/vnd.jupyter.widget-state+json"].state
+    view = one.cells[0].outputs[0].data["application/vnd.jupyter.widget-view+json"]
+    assert states[view.model_id].state.layout == "IPY_MODEL_widget-00"

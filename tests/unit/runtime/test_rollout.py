@@ -133,7 +133,9 @@ class TestToClip:
         clip = to_clip(run, 0, body, "again")
         assert (clip.name, clip.fps, len(clip)) == ("again", 60.0, len(run)) and clip.skeleton is body.skeleton
 
-    def test_a_file_keeps_the_joints_to_a_tenth_of_a_millimetre(self, take, tmp_path):
+    def test_a_file_keeps_the_tree_and_the_joints_to_a_tenth_of_a_millimetre_and_a_hundredth_of_a_degree(
+        self, take, tmp_path
+    ):
         run, body = read_off(take)
         clip = to_clip(run, 0, body, "again")
         write_motion(tmp_path / "again.bvh", clip, np.zeros((len(clip), 2), dtype=bool))
@@ -141,6 +143,9 @@ class TestToClip:
         assert found.skeleton.names == clip.skeleton.names and found.fps == pytest.approx(60.0, abs=1e-3)
         pose, again = forward_kinematics(clip), forward_kinematics(found)
         np.testing.assert_allclose(again.positions, pose.positions, atol=1e-4)
+        assert found.skeleton.parents == clip.skeleton.parents
+        traces = np.einsum("tjab,tjab->tj", pose.rotations, again.rotations)
+        assert np.degrees(np.arccos(np.clip((traces - 1) / 2, -1, 1))).max() < 0.01
 
     def test_each_character_has_a_clip_of_its_own(self):
         bundle = tiny.bundle()

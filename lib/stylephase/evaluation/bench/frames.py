@@ -31,10 +31,10 @@ _MS = 1000
 
 def frame_rows() -> list[Row]:
     """Times for LPN-FiLM at the paper's size; with the authors' weights where they are at hand."""
-    bundle = _bundle()
+    bundle = bundle_at_hand()
     model = to_onnx(bundle)
     code = bundle.code(_STYLE)[None]
-    state = _walking(bundle, code)
+    state = walking(bundle, code)
     x, p = input_of(state), state.phases
     with threads(1):
         return [
@@ -44,7 +44,7 @@ def frame_rows() -> list[Row]:
         ]
 
 
-def _bundle() -> Bundle:
+def bundle_at_hand() -> Bundle:
     """The release, or a network of its size that was never trained."""
     at_hand = {where(released_weights()["lpn-release"]), where(dataset("100style"))}
     return release_bundle() if at_hand <= {"cache", "mirror"} else made_bundle(NetworkSettings())
@@ -65,7 +65,7 @@ def made_bundle(settings: NetworkSettings) -> Bundle:
 
 
 @np.errstate(all="ignore")
-def _walking(bundle: Bundle, code: torch.Tensor) -> State:
+def walking(bundle: Bundle, code: torch.Tensor) -> State:
     """A character that has walked for a second."""
     state = start_state(bundle.normaliser.x_mean[None], np.zeros((1, 8)), bundle.layout)
     controller, plan = Controller(bundle, code, ControllerSettings()), Steady(np.array([6.0]))

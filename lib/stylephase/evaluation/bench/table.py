@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from stylephase.evaluation.bench.crowds import crowd_rows
 from stylephase.evaluation.bench.frames import frame_rows
 from stylephase.evaluation.bench.phases import phase_rows
 from stylephase.evaluation.bench.rows import Row
@@ -11,6 +12,7 @@ BENCHES: dict[str, Callable[[], list[Row]]] = {
     "phases": phase_rows,
     "training": training_rows,
     "frames": frame_rows,
+    "crowds": crowd_rows,
 }
 
 

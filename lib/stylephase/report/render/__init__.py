@@ -7,8 +7,9 @@ with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     import tqdm.auto  # noqa: F401
 
+from stylephase.report.render.crowd import crowd
 from stylephase.report.render.motion import Motion, facing_angles, ground_path
 from stylephase.report.render.movies import movie
 from stylephase.report.render.strips import Layout, grid, strip
 
-__all__ = ["Layout", "Motion", "facing_angles", "grid", "ground_path", "movie", "strip"]
+__all__ = ["Layout", "Motion", "crowd", "facing_angles", "grid", "ground_path", "movie", "strip"]

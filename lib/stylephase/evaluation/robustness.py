@@ -1,0 +1,231 @@
+"""How long a character stays plausible: random input for minutes or hours, in every style, all styles side by side.
+
+Each character follows a random path of its own at a random speed that changes every few seconds, with stops. Nothing is
+kept of the motion but what is judged, so an hour takes no memory.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float
+from numpy import ndarray
+from torch import Tensor
+
+from stylephase.features.body import Body
+from stylephase.features.layout import FPS
+from stylephase.models.bundle import Bundle
+from stylephase.runtime.controller import Controller, ControllerSettings, State
+from stylephase.runtime.limits import limited
+from stylephase.runtime.paths import SPACING, FollowPaths
+from stylephase.runtime.rollout import Tick, quiet
+from stylephase.runtime.trajectory import Steering
+
+# The random path turns with this deviation (rad) over this length (m), and never sharper than this (rad/m).
+_TURNING, _BEND_LENGTH, _SHARPEST = 0.9, 3.0, 0.8
+# Speeds are multiples of the character's own, changed after so many seconds; some are stops.
+_SLOWEST, _QUICKEST, _STOPS = 0.5, 1.3, 0.1
+_SHORTEST, _LONGEST = 2.0, 8.0
+# Longest way that a character may go (m/s), for the length of its path.
+_FASTEST = 3.0
+_SETTLE_SECONDS = 3.0
+_MIN_BONE = 0.01
+
+
+@dataclass(frozen=True)
+class Plausible:
+    """What a person can do, whatever the style.
+
+    `hips` (m) bound the height of the hips, `bones` how far the mean of all bones' lengths may be off the true ones, as
+    a share of them, `off_path` (m) the distance from the path, and `speed` (m/s) that of the hips over half a second.
+    """
+
+    hips: tuple[float, float] = (0.3, 1.5)
+    bones: float = 0.15
+    off_path: float = 3.0
+    speed: float = 6.0
+
+
+@dataclass(frozen=True)
+class Endurance:
+    """What became of one style: extremes over the time watched, and what was not plausible first, and when (s).
+
+    `broken` is empty where all stayed plausible; then `after` is the time watched.
+    """
+
+    style: str
+    after: float
+    broken: str
+    hips: tuple[float, float]
+    bones: float
+    off_path: float
+    speed: float
+
+
+def random_paths(count: int, seconds: float, rng: np.random.Generator) -> list[Float[ndarray, "points 2"]]:
+    """Smooth random ways over the ground from the origin, that begin towards +z."""
+    points = max(20, int(seconds * _FASTEST / SPACING))
+    shocks = rng.normal(size=(count, points)) * _TURNING / _BEND_LENGTH * np.sqrt(2 * SPACING / _BEND_LENGTH)
+    bend, angle, paths = np.zeros(count), np.zeros(count), np.zeros((count, points, 2))
+    for k in range(1, points):
+        bend = np.clip(bend * (1 - SPACING / _BEND_LENGTH) + shocks[:, k], -_SHARPEST, _SHARPEST)
+        angle = angle + bend * SPACING
+        paths[:, k] = paths[:, k - 1] + SPACING * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    return list(paths)
+
+
+class Wander:
+    """A plan of random input: paths, speeds around each character's own (m/s, times a gain), and stops."""
+
+    def __init__(self, gains: Float[ndarray, " characters"], seconds: float, rng: np.random.Generator):
+        self.path = FollowPaths(random_paths(len(gains), seconds, rng), gains)
+        self.gains, self.rng = gains, rng
+        self.left, self.factor = np.zeros(len(gains)), np.ones(len(gains))
+
+    def __call__(self, frame: int, state: State) -> Steering:
+        """What is wanted at a frame."""
+        self.left = self.left - 1
+        due = self.left < 0
+        fresh = self.rng.uniform(_SLOWEST, _QUICKEST, len(due)) * (self.rng.random(len(due)) > _STOPS)
+        self.factor = np.where(due, fresh, self.factor)
+        self.left = np.where(due, self.rng.uniform(_SHORTEST, _LONGEST, len(due)) * FPS, self.left)
+        self.path.speeds = self.gains * self.factor
+        return limited(self.path(frame, state), state)
+
+
+class _Watch:
+    """Extremes so far of each character, and what broke it."""
+
+    def __init__(self, body: Body, count: int, limits: Plausible):
+        lengths = np.array([np.linalg.norm(body.skeleton.offsets[body.joints[child]]) for _, child in body.bones])
+        kept = lengths > _MIN_BONE
+        self.parents, self.children = np.array(body.bones)[kept].T
+        self.lengths, self.limits, self.window = lengths[kept], limits, int(FPS / 2)
+        self.before: list[Float[ndarray, "characters 2"]] = []
+        self.low, self.high = np.full(count, np.inf), np.full(count, -np.inf)
+        self.bones, self.off, self.speed = np.zeros(count), np.zeros(count), np.zeros(count)
+        self.broken, self.after = [""] * count, np.zeros(count)
+
+    @property
+    def whole(self) -> Bool[ndarray, " characters"]:
+        """Who is plausible still."""
+        return np.array([not reason for reason in self.broken])
+
+    @np.errstate(invalid="ignore", over="ignore")
+    def see(self, state: State, off: Float[ndarray, " characters"], seconds: float) -> None:
+        """Judge a frame of those who are whole still."""
+        p, limits = state.positions, self.limits
+        finite = np.isfinite(p).all(axis=(1, 2)) & np.isfinite(state.path.positions).all(axis=(1, 2))
+        bones = np.linalg.norm(p[:, self.children] - p[:, self.parents], axis=-1)
+        bones = np.abs(bones / self.lengths - 1).mean(axis=1)
+        self.before = [*self.before[-self.window :], p[:, 0, ::2]]
+        moved = np.linalg.norm(self.before[-1] - self.before[0], axis=-1)
+        speed = moved * FPS / max(len(self.before) - 1, 1) * (len(self.before) > self.window)
+        height = p[:, 0, 1]
+        faults = {
+            "not finite": ~finite,
+            "hips too low": height < limits.hips[0],
+            "hips too high": height > limits.hips[1],
+            "bones of wrong lengths": bones > limits.bones,
+            "off its path": off > limits.off_path,
+            "too fast": speed > limits.speed,
+        }
+        whole = self.whole
+        for reason, is_so in faults.items():
+            for k in np.flatnonzero(is_so & self.whole):
+                self.broken[k] = reason
+        self.after[whole] = seconds
+        seen = whole & finite
+        for name, values, choose in (
+            ("low", height, np.minimum),
+            ("high", height, np.maximum),
+            ("bones", bones, np.maximum),
+            ("off", off, np.maximum),
+            ("speed", speed, np.maximum),
+        ):
+            setattr(self, name, np.where(seen, choose(getattr(self, name), values), getattr(self, name)))
+
+    def report(self, styles: Sequence[str]) -> list[Endurance]:
+        """One line for each style; extremes include the frame that broke it."""
+        return [
+            Endurance(
+                style,
+                float(self.after[k]),
+                self.broken[k],
+                (float(self.low[k]), float(self.high[k])),
+                float(self.bones[k]),
+                float(self.off[k]),
+                float(self.speed[k]),
+            )
+            for k, style in enumerate(styles)
+        ]
+
+
+def endure(
+    bundle: Bundle,
+    styles: Sequence[str],
+    codes: Float[Tensor, "characters values"],
+    start: State,
+    gains: Float[ndarray, " characters"],
+    seconds: float,
+    *,
+    seed: int = 0,
+    limits: Plausible | None = None,
+    settings: ControllerSettings | None = None,
+    tick: Tick = quiet,
+) -> list[Endurance]:
+    """Let each style wander for some seconds at `gains` (m/s) times 0.5 to 1.3; who breaks is watched no longer.
+
+    Those who are broken are taken out of the batch, so that they cost nothing and their numbers stay what they were.
+    """
+    # Arithmetic on numbers that fade to nothing is slow, and they mean nothing.
+    torch.set_flush_denormal(True)
+    limits, rng, settings = limits or Plausible(), np.random.default_rng(seed), settings or ControllerSettings()
+    watch, plan = _Watch(bundle.body, len(styles), limits), Wander(gains, seconds, rng)
+    controller, state = Controller(bundle, codes, settings), start
+    for frame in range(int(seconds * FPS)):
+        state = controller.step(state, plan(frame, state))
+        if frame >= _SETTLE_SECONDS * FPS or not np.isfinite(state.positions).all():
+            off = np.zeros(len(gains)) if frame < _SETTLE_SECONDS * FPS else plan.path.off
+            watch.see(state, off, (frame + 1) / FPS)
+        if not watch.whole.any():
+            break
+        state = _restarted(state, start, watch.whole)
+        tick(1)
+    return watch.report(styles)
+
+
+def _restarted(state: State, start: State, whole: Bool[ndarray, " characters"]) -> State:
+    """The same with who is broken put back to the start, so that nothing grows without bound."""
+    if whole.all():
+        return state
+
+    def mixed(now: ndarray, first: ndarray) -> ndarray:
+        return np.where(whole.reshape(-1, *[1] * (now.ndim - 1)), now, first)
+
+    path = type(state.path)(
+        *(mixed(getattr(state.path, n), getattr(start.path, n)) for n in ("positions", "directions"))
+    )
+    arrays = ("positions", "rotations", "velocities", "phases", "contacts")
+    return State(path, *(mixed(getattr(state, name), getattr(start, name)) for name in arrays))
+
+
+def as_json(found: Sequence[Endurance]) -> list[dict[str, Any]]:
+    """Plain values; None for what was never seen finite."""
+    rows = [asdict(each) for each in found]
+    for row in rows:
+        row["hips"] = [None if not np.isfinite(value) else value for value in row["hips"]]
+    return rows
+
+
+def table(found: Sequence[Endurance]) -> str:
+    """A Markdown table, who broke first on top."""
+    heads = ("style", "plausible for", "what broke", "hips m", "bones off %", "off path m", "fastest m/s")
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    for each in sorted(found, key=lambda e: (not e.broken, e.after)):
+        cells = (each.style, f"{each.after:.0f} s", each.broken, f"{each.hips[0]:.2f} to {each.hips[1]:.2f}")
+        numbers = (f"{100 * each.bones:.1f}", f"{each.off_path:.2f}", f"{each.speed:.2f}")
+        lines.append("| " + " | ".join(cells + numbers) + " |")
+    return "\n".join(lines)

@@ -1,0 +1,114 @@
+"""Paths for many characters at once, paths drawn by hand, and a recorded walk that is walked again."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.ndimage import gaussian_filter1d
+
+from stylephase.errors import InputError
+from stylephase.features.layout import FPS
+from stylephase.runtime.controller import State
+from stylephase.runtime.plans import heading
+from stylephase.runtime.rollout import Rollout
+from stylephase.runtime.trajectory import Steering, unit_ground
+
+# Points of a path are so far apart (m). A character heads for the point so far ahead, and looks for where it is among
+# the points within reach, none behind.
+SPACING = 0.1
+_LOOK_AHEAD, _REACH = 0.8, 2.0
+# A line drawn by hand is smoothed over this length (m).
+_HAND = 0.25
+_SHORTEST, _LONGEST = 0.5, 10_000.0
+# A recorded walk is led back to its record within about this time (s).
+_CATCH_UP = 0.5
+
+
+def even_path(points: Float[ndarray, "points width"] | Sequence[Sequence[float | int]]) -> Float[ndarray, "even 2"]:
+    """The same path with a point every `SPACING` metres.
+
+    Raises InputError for numbers that are not finite, and a path shorter than half a metre or longer than 10 km.
+    """
+    p = np.asarray(points, dtype=float)
+    if p.ndim != 2 or p.shape[1] != 2 or not np.isfinite(p).all():
+        raise InputError("a path should be points of two finite numbers each")
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
+    if not _SHORTEST <= along[-1] <= _LONGEST:
+        raise InputError(f"a path should be {_SHORTEST:g} to {_LONGEST:g} m long, not {along[-1]:.3g} m")
+    at = np.linspace(0, along[-1], round(along[-1] / SPACING) + 1)
+    return np.stack([np.interp(at, along, column) for column in p.T], axis=1)
+
+
+def drawn_path(points: Float[ndarray, "points width"] | Sequence[Sequence[float | int]]) -> Float[ndarray, "even 2"]:
+    """A path drawn by hand with the hand's shaking smoothed out; its ends stay. Raises InputError as `even_path`."""
+    even = even_path(points)
+    smooth = gaussian_filter1d(even, _HAND / SPACING, axis=0, mode="nearest")
+    smooth[[0, -1]] = even[[0, -1]]
+    return even_path(smooth)
+
+
+class FollowPaths:
+    """Each character follows a path of its own, facing along it; past its end it goes on straight.
+
+    Paths are those of `even_path`. How far each character has come never falls, so a path may cross itself. Frame 0
+    begins anew. `off` holds each character's present distance (m) from its path.
+    """
+
+    def __init__(self, paths: Sequence[Float[ndarray, "points 2"]], speeds: Float[ndarray, " characters"]):
+        self.speeds, self._reach = speeds, int(_REACH / SPACING)
+        self._ahead, most = int(_LOOK_AHEAD / SPACING), max(len(path) for path in paths)
+        # Each path goes on along its last step until all are of one length and there is room to look ahead.
+        more = most + self._reach + self._ahead
+        self.points = np.stack([_prolonged(path, more) for path in paths])
+        self.last = np.array([len(path) - 1 for path in paths])
+        self.reached, self.off = np.zeros(len(paths), dtype=int), np.zeros(len(paths))
+
+    def __call__(self, frame: int, state: State) -> Steering:
+        """Head for a point of the path a little ahead of the nearest one."""
+        places, who = state.path.root.positions, np.arange(len(self.points))
+        reached = np.zeros_like(self.reached) if frame == 0 else self.reached
+        near = np.minimum(reached[:, None] + np.arange(self._reach), self.points.shape[1] - self._ahead - 1)
+        apart = np.linalg.norm(self.points[who[:, None], near] - places[:, None], axis=-1)
+        best = np.where(np.isfinite(apart), apart, np.inf).argmin(axis=1)
+        self.reached, self.off = near[who, best], apart[who, best]
+        towards = self.points[who, self.reached + self._ahead] - places
+        facing = np.arctan2(towards[:, 0], towards[:, 1])
+        return Steering(self.speeds[:, None] * heading(facing), facing)
+
+
+def _prolonged(path: Float[ndarray, "points 2"], count: int) -> Float[ndarray, "count 2"]:
+    step = path[-1] - path[-2]
+    return np.concatenate([path, path[-1] + np.arange(1, count - len(path) + 1)[:, None] * step])
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Walk as a record does: its places (x, z), facings (rad) and times, at 60 frames a second; then stand.
+
+    The wish is the record's velocity, led back to its place, times `gains` (the gain that walks at 1 m/s).
+    """
+
+    places: Float[ndarray, "frames characters 2"]
+    facings: Float[ndarray, "frames characters"]
+    gains: Float[ndarray, " characters"]
+
+    def __post_init__(self):
+        if len(self.places) < 2 or not (np.isfinite(self.places).all() and np.isfinite(self.facings).all()):
+            raise InputError("a recorded walk should have two frames or more, of finite numbers")
+
+    def __call__(self, frame: int, state: State) -> Steering:
+        """What is wanted at a frame."""
+        k = min(frame, len(self.places) - 2)
+        velocity = (self.places[k + 1] - self.places[k]) * FPS if frame < len(self.places) - 1 else 0.0
+        back = (self.places[k + 1] - state.path.root.positions) / _CATCH_UP
+        return Steering(self.gains[:, None] * (velocity + back), self.facings[k + 1])
+
+
+def record_of(run: Rollout, gains: Float[ndarray, " characters"]) -> Recorded:
+    """A rollout's own paths as a plan; each sways with the hips, so it is smoothed over half a second."""
+    smooth = gaussian_filter1d(run.root_positions, FPS / 4, axis=0, mode="nearest")
+    facing = np.stack([np.sin(run.root_angles), np.cos(run.root_angles)], axis=-1)
+    ahead = unit_ground(gaussian_filter1d(facing, FPS / 4, axis=0, mode="nearest"), facing)
+    return Recorded(smooth, np.arctan2(ahead[..., 0], ahead[..., 1]), gains)
