@@ -30,7 +30,7 @@ GAITS = (
     Gait("FW", 25.0, (2.5, 5.5), turn=1.0),
     Gait("FR", 15.0, (6.0, 10.0)),
     Gait("BW", 15.0, (2.0, 5.0), (_BACK,), turn=0.5),
-    Gait("SW", 15.0, (2.0, 4.0), (_SIDE, -_SIDE), turn=0.4),
+    Gait("SW", 15.0, (3.5, 5.5), (_SIDE, -_SIDE), turn=0.4),
     Gait("TR1", 10.0, (2.0, 6.0), turn=0.5, stops=0.4),
     Gait("TR2", 10.0, (2.0, 9.0), (0.0, 0.0, _BACK, _SIDE, -_SIDE), turn=1.0, stops=0.1),
 )
