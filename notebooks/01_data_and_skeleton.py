@@ -332,7 +332,7 @@ assert lost < 1e-5 and changed < 1e-9
 Markdown(f"`{example.path.name}`: joints come back to {1e6 * lost:.1f} µm; a moved take changes no value by over 1e-9")
 
 # %%
-source, sign = layout.mirror_x
+source, sign, _ = layout.mirror_x
 middle = slice(len(x) // 2 - 45, len(x) // 2 + 45)
 three = {"data": pose.positions[:-1], "from its\nvectors": again, "mirrored\nvectors": drawn_from(x[:, source] * sign)}
 rows = [Motion(skeleton, positions[middle], label=label) for label, positions in three.items()]

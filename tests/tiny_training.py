@@ -12,13 +12,16 @@ from stylephase.data.registry import Dataset
 from stylephase.data.split import PARTS
 from stylephase.features.body import Body
 from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.files import read_json
 from stylephase.models.bundle import Bundle
 from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import NetworkSettings
 from stylephase.motion.contacts import ContactRule
 from stylephase.motion.synthetic import SKELETON
+from stylephase.training.checkpoint import LOG
 from stylephase.training.loop import Trainer
 from stylephase.training.presets import Preset
+from stylephase.training.team import Team
 
 PRESET = Preset(
     network=NetworkSettings(
@@ -66,20 +69,33 @@ def vectors(style: str, number: int, rows: int, *, validation: bool = True) -> S
     """Two takes of equal length, of which the last tenth of the first validates and that of the second tests."""
     layout, rng = BODY.layout, np.random.default_rng(number)
     shared = np.random.default_rng(99)
-    hidden, p = rng.normal(size=(rows, 6)), rng.normal(size=(rows, layout.phases))
+    hidden, p = rng.normal(size=(rows, 6)), rng.normal(size=(rows, layout.gate_inputs))
     x, y = (hidden @ shared.normal(size=(6, width)) for width in (layout.inputs, layout.outputs))
     y += number * np.linspace(-2, 2, layout.outputs)
     part = np.full(rows, PARTS.index("train"))
     if validation:
         half, tenth = rows // 2, rows // 10
         part[half - tenth : half], part[rows - tenth :] = PARTS.index("validation"), PARTS.index("test")
-    arrays = (array.astype(np.float32) for array in (x, p, y))
+    phase, update = rng.uniform(0, 2 * np.pi, rows), np.full(rows, 0.1)
+    arrays = (array.astype(np.float32) for array in (x, p, y, phase, update))
     return StyleVectors(style, number == 0, ("FR", "FW"), *arrays, np.repeat([0, 1], rows // 2), part)
 
 
-def trainer(*styles: str, seed: int = 0, **changes) -> Trainer:
+def trainer(*styles: str, model: str = "lpn-film", seed: int = 0, **changes) -> Trainer:
     """A run of the tiny preset, with some of its values changed."""
-    return Trainer(TinyStore(*styles), "lpn-film", replace(PRESET, **changes), "tiny", seed)
+    return Trainer(TinyStore(*styles), model, replace(PRESET, **changes), "tiny", seed)
+
+
+def still(model: str, team: Team) -> Trainer:
+    """A run without dropout, which alone differs between one process and several."""
+    generator = replace(PRESET.network.generator, rate=0.0)
+    network = replace(PRESET.network, input_rate=0.0, hidden_rate=0.0, gating_rate=0.0, generator=generator)
+    return Trainer(TinyStore(), model, replace(PRESET, network=network), "tiny", 0, team)
+
+
+def read_log(folder: Path) -> list[dict]:
+    """The log of a run."""
+    return read_json(folder / LOG)
 
 
 def ignore(steps: int) -> None:

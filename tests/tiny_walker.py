@@ -13,12 +13,14 @@ from stylephase.data.layouts import Entry
 from stylephase.data.registry import Dataset
 from stylephase.data.split import PARTS
 from stylephase.features.body import Body
+from stylephase.features.layout import Layout
 from stylephase.features.normaliser import Normaliser, normaliser_of
-from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.features.vectors import Vectors, vectors
 from stylephase.models.bundle import Bundle, build_network
 from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import NetworkSettings
+from stylephase.models.zoo import layout_for
 from stylephase.motion.clip import Clip, Pose, forward_kinematics
 from stylephase.motion.contacts import ContactRule
 from stylephase.motion.rest import rest_axes
@@ -47,7 +49,12 @@ def take(style: str = "Plain", seconds: float = 8.0, turn: float = 0.0) -> Take:
     clip, truth = walk(find_style(style), "FW", plan=steady(seconds, forward=SPEED, turn=turn))
     pose, angle = forward_kinematics(clip), 2 * np.pi * truth.phase
     phases = np.stack([np.sin(angle), np.cos(angle)], axis=-1).reshape(len(clip), 8)
-    return Take(clip, pose, vectors(pose, SKELETON, BODY.rest, clip.fps, phases, truth.contacts), truth.contacts)
+    return Take(
+        clip,
+        pose,
+        vectors(pose, SKELETON, BODY.rest, clip.fps, phases, truth.contacts, truth.global_phase),
+        truth.contacts,
+    )
 
 
 @cache
@@ -58,7 +65,7 @@ def style_vectors(style: str = "Plain", seconds: float = 16.0) -> StyleVectors:
     part = np.full(rows, PARTS.index("train"))
     part[7 * rows // 10 : 8 * rows // 10] = PARTS.index("validation")
     part[8 * rows // 10 :] = PARTS.index("test")
-    arrays = (array.astype(np.float32) for array in (made.x, made.p, made.y))
+    arrays = (array.astype(np.float32) for array in (made.x, made.p, made.y, made.phase, made.phase_update))
     return StyleVectors(style, False, ("FW",), *arrays, np.zeros(rows, dtype=int), part)
 
 
@@ -75,12 +82,27 @@ def bundle(*styles: str, network: torch.nn.Module | None = None) -> Bundle:
     """
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
-        whole = build_network(BODY, SMALL).eval()
+        whole = build_network("lpn-film", BODY, len(styles or STYLES), SMALL).eval()
         codes = {style: torch.randn(4 * SMALL.units) for style in styles or STYLES}
     if network is not None:
         whole.synthesis = network
     about = {"data": "made", "phases": "adaptive", "licence": "none"}
     return Bundle("lpn-film", whole, SMALL, BODY, statistics(), codes, about)
+
+
+def of_model(model: str) -> Bundle:
+    """Weights of any model that were never trained, with the walker's statistics and a code for each style."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(0)
+        network = build_network(model, BODY, len(STYLES), SMALL).eval()
+        codes = torch.randn(len(STYLES), network.synthesis.modulator.values)
+    normaliser = normaliser_of(*_seen_by(model))
+    return Bundle(model, network, SMALL, BODY, normaliser, dict(zip(STYLES, codes, strict=True)), {"data": "made"})
+
+
+def _seen_by(model: str) -> tuple[list[StyleVectors], Layout]:
+    layout = layout_for(model, BODY.layout)
+    return [for_gate(style_vectors(), layout)], layout
 
 
 class Store(VectorStore):

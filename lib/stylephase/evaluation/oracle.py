@@ -110,12 +110,12 @@ def recordings(bundle: Bundle, catalogue: Catalogue) -> tuple[Witnessed, ...]:
 
 
 def _recording(bundle: Bundle, catalogue: Catalogue, entry: Entry) -> Witnessed:
-    body, layout = bundle.body, bundle.body.layout
+    body, layout = bundle.body, bundle.layout
     clip = load_clip(entry, catalogue.dataset, fps=FPS, skeleton=body.skeleton)
     clip = clip.frames(*cut_frames(entry, catalogue.dataset, clip))
     pose = forward_kinematics(clip)
     movement = movement_of(pose, body.skeleton, FPS, catalogue.dataset.contact)
-    silent = np.zeros((len(clip), layout.phases))
+    silent = np.zeros((len(clip), layout.gate_inputs))
     shown = vectors(pose, body.skeleton, body.rest, FPS, silent, movement.contacts).x
     told = _told(Controller(bundle, bundle.code(entry.style)[None], RELEASE), shown, bundle.normaliser.p_mean)
     # A row speaks of the frame after the one that it was shown.

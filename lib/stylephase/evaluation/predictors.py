@@ -8,13 +8,15 @@ import torch
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.features.layout import INPUT_SAMPLES, OUTPUT_SAMPLES, Layout
+from stylephase.features.layout import INPUT_SAMPLES, LOCAL, OUTPUT_SAMPLES, Layout
 from stylephase.features.normaliser import Normaliser
 from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import Bundle, build_network
 
 # From x and p in metres to y in metres.
-Predictor = Callable[[Float[ndarray, "rows inputs"], Float[ndarray, "rows 8"]], Float[ndarray, "rows outputs"]]
+Predictor = Callable[
+    [Float[ndarray, "rows inputs"], Float[ndarray, "rows gate_inputs"]], Float[ndarray, "rows outputs"]
+]
 # Ridge regression's weight of the squared coefficients, per training row, on normalised values.
 _RIDGE = 1e-4
 # Seed of the untrained weights and of the dropout.
@@ -31,8 +33,11 @@ def predict_hold(layout: Layout, normaliser: Normaliser) -> Predictor:
     columns = [4 * INPUT_SAMPLES.index(sample) + k for sample in OUTPUT_SAMPLES for k in range(4)]
 
     def hold(x: ndarray, p: ndarray) -> ndarray:
-        contacts = np.tile(normaliser.y_mean[layout.y_contacts], (len(x), 1))
-        return np.concatenate([x[:, columns], x[:, layout.x_pose], p, np.zeros_like(p), contacts], axis=1)
+        updates = layout.y_phase_updates
+        kept = p if layout.gate == LOCAL else p[:, :0]
+        still, contacts = np.zeros((len(x), updates.stop - updates.start)), normaliser.y_mean[layout.y_contacts]
+        parts = [x[:, columns], x[:, layout.x_pose], kept, still, np.tile(contacts, (len(x), 1))]
+        return np.concatenate(parts, axis=1)
 
     return hold
 
@@ -95,7 +100,9 @@ def untrained(bundle: Bundle) -> Bundle:
     """The same with a network as it was drawn, and for every style the code that modulates nothing."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(_SEED)
-        network = build_network(bundle.body, bundle.settings).eval()
-    network.generator.start_neutral()
-    neutral = network.generator.code.bias.detach()
+        network = build_network(bundle.model, bundle.body, len(bundle.codes), bundle.settings).eval()
+    neutral = torch.zeros(network.synthesis.modulator.values)
+    if network.generator is not None:
+        network.generator.start_neutral()
+        neutral = network.generator.code.bias.detach()
     return replace(bundle, network=network, codes=dict.fromkeys(bundle.codes, neutral), about={})

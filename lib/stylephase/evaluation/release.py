@@ -72,7 +72,7 @@ def read_golden(path: Path) -> Golden:
 
 def _check(arrays: dict[str, ndarray], path: Path) -> None:
     rows = len(np.atleast_1d(arrays["style"]))
-    widths = {"x": _LAYOUT.inputs, "phases": _LAYOUT.phases, "gate": 8} | dict.fromkeys(
+    widths = {"x": _LAYOUT.inputs, "phases": _LAYOUT.gate_inputs, "gate": 8} | dict.fromkeys(
         ("y_demo_ln", "y_train_ln"), _LAYOUT.outputs
     )
     for name, shape in {"style": (rows,), **{name: (rows, width) for name, width in widths.items()}}.items():
@@ -85,7 +85,7 @@ def _check(arrays: dict[str, ndarray], path: Path) -> None:
 def made_golden(released: Released) -> Golden:
     """Inputs made of waves about the mean frame, and what the plainest form in float64 makes of them."""
     n, rows = released.normaliser, len(_MADE_STYLES)
-    waves = [np.sin(np.arange(rows * width).reshape(rows, width)) for width in (_LAYOUT.inputs, _LAYOUT.phases)]
+    waves = [np.sin(np.arange(rows * width).reshape(rows, width)) for width in (_LAYOUT.inputs, _LAYOUT.gate_inputs)]
     x, p = n.x_mean + 0.3 * n.x_std * waves[0], n.p_mean + n.p_std * waves[1]
     styles = np.array(_MADE_STYLES)
     gate, y = plain_forward(released, x, p, styles)

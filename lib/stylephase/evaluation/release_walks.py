@@ -49,8 +49,8 @@ def own_contacts(values: Float[ndarray, "frames 2"]) -> Bool[ndarray, "frames 2"
 def release_walks(bundle: Bundle, *, frames: int = FRAMES, tick: Tick = quiet) -> list[ReleaseWalk]:
     """All styles of the bundle side by side, from the mean pose with phases at zero; the first seconds only settle."""
     codes = torch.stack(list(bundle.codes.values()))
-    still = np.zeros((len(codes), bundle.body.layout.phases))
-    start = start_state(np.tile(bundle.normaliser.x_mean, (len(codes), 1)), still, bundle.body.layout)
+    still = np.zeros((len(codes), bundle.layout.gate_inputs))
+    start = start_state(np.tile(bundle.normaliser.x_mean, (len(codes), 1)), still, bundle.layout)
     run = roll_out(bundle, codes, start, frames, Steady(np.full(len(codes), GAIN)), RELEASE, tick)
     skeleton, joints, bones = bundle.body.skeleton, bundle.body.joints, bundle.body.bones
     true = np.array([np.linalg.norm(skeleton.offsets[joints[child]]) for _, child in bones])

@@ -10,7 +10,7 @@ from stylephase.errors import InputError
 from stylephase.evaluation.rollouts import judge_rollouts
 from stylephase.evaluation.style import recognised, style_space
 from stylephase.evaluation.test_error import mean_over, test_errors
-from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.models.bundle import Bundle
 from stylephase.training.codes import clip_codes
 from stylephase.training.sampler import Scaling
@@ -29,10 +29,16 @@ def groups_of(styles: tuple[str, ...]) -> dict[str, list[str]]:
     )
 
 
-def code_spread(bundle: Bundle, styles: list[StyleVectors]) -> dict[str, float]:
-    """Deviation of style codes between styles and within a style: equal ones would show a dead generator."""
-    scaling = Scaling(bundle.normaliser, bundle.body.layout)
-    groups = [clip_codes(bundle.network.generator, style, scaling).numpy() for style in styles]
+def code_spread(bundle: Bundle, styles: list[StyleVectors]) -> dict[str, float] | None:
+    """Deviation of style codes between styles and within a style: equal ones would show a dead generator.
+
+    None for weights without one.
+    """
+    generator = bundle.network.generator
+    if generator is None or not bundle.makes_codes:
+        return None
+    scaling = Scaling(bundle.normaliser, bundle.layout)
+    groups = [clip_codes(generator, style, scaling).numpy() for style in styles]
     between = np.array([group.mean(axis=0) for group in groups]).var(axis=0).mean()
     within = np.mean([group.var(axis=0).mean() for group in groups])
     return {"between": float(np.sqrt(between)), "within": float(np.sqrt(within))}
@@ -50,7 +56,7 @@ def evaluate_bundle(
     own, known = store.body.skeleton, bundle.body.skeleton
     if (own.names, own.parents) != (known.names, known.parents):
         raise InputError(f"the weights know another skeleton than {store.catalogue.dataset.name} has")
-    styles = [store.load(style) for style in store.catalogue.styles]
+    styles = [for_gate(store.load(style), bundle.layout) for style in store.catalogue.styles]
     errors = test_errors(bundle, styles)
     groups = {name: mean_over(errors, members) for name, members in groups_of(store.catalogue.styles).items()}
     result: dict[str, Any] = {
@@ -60,9 +66,9 @@ def evaluate_bundle(
         "codes": code_spread(bundle, styles),
     }
     if seconds > 0:
-        space = style_space(styles, bundle.body.layout)
+        space = style_space(styles, bundle.layout)
         judgement, _ = judge_rollouts(bundle, styles, space, seconds=seconds, tick=tick)
-        right, clips = recognised(space, styles, bundle.body.layout, "test")
+        right, clips = recognised(space, styles, bundle.layout, "test")
         result |= {"rollouts": judgement.to_json(), "recognised": {"right": right, "clips": clips}}
     return result
 

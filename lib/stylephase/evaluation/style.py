@@ -70,7 +70,7 @@ def style_space(styles: Sequence[StyleVectors], layout: Layout) -> StyleSpace:
 
 def _statistics_of(style: StyleVectors, layout: Layout) -> Float[ndarray, "clips statistics"]:
     """Statistics of a style's training clips and, where it is symmetric, of their mirror images."""
-    source, sign = (part[layout.x_pose] for part in layout.mirror_x)
+    source, sign = (part[layout.x_pose] for part in layout.mirror_x[:2])
     windows = windows_of(style, "train", layout)
     images = [window[:, source - layout.x_pose.start] * sign for window in windows] if style.symmetric else []
     # Three numbers of position and of velocity have a mean and a deviation each: as many statistics as pose values.

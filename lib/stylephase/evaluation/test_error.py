@@ -1,7 +1,7 @@
 """Test errors on seen styles and unseen frames ([M22] 5.2.2, Fig. 10), of a network and of naive predictors."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import torch
@@ -28,10 +28,14 @@ _WRONG_CODES = 5
 
 @dataclass(frozen=True)
 class Error:
-    """Mean squared error over normalised outputs, and mean bone length error (m)."""
+    """Mean squared error over normalised outputs, and mean bone length error (m).
+
+    `shared` is the squared error over the outputs that all models have, whatever their gate: models are compared by it.
+    """
 
     mse: float
     bll: float
+    shared: float
 
 
 def test_rows(style: StyleVectors, part: str = "test") -> Int[ndarray, " rows"]:
@@ -45,8 +49,9 @@ def error_of(predictor: Predictor, style: StyleVectors, bundle: Bundle, lengths:
     rows = test_rows(style, part)
     y, predicted = style.y[rows].astype(float), predictor(style.x[rows].astype(float), style.p[rows].astype(float))
     bones = [lengths(torch.from_numpy(values)) for values in (y, predicted)]
-    mse = np.square((predicted - y) / bundle.normaliser.y_std).mean()
-    return Error(float(mse), float((bones[0] - bones[1]).abs().mean()))
+    squared = np.square((predicted - y) / bundle.normaliser.y_std).mean(axis=0)
+    shared = squared[bundle.layout.y_shared].mean()
+    return Error(float(squared.mean()), float((bones[0] - bones[1]).abs().mean()), float(shared))
 
 
 def test_errors(bundle: Bundle, styles: Sequence[StyleVectors], *, part: str = "test") -> dict[str, dict[str, Error]]:
@@ -55,7 +60,7 @@ def test_errors(bundle: Bundle, styles: Sequence[StyleVectors], *, part: str = "
     `network` has the style's stored code, `dropout` the same with dropout on, `wrong code` the mean over some codes
     of other styles; then `mean`, `hold`, `ridge` and `untrained`.
     """
-    n, layout, lengths = bundle.normaliser, bundle.body.layout, bone_lengths(bundle.body)
+    n, layout, lengths = bundle.normaliser, bundle.layout, bone_lengths(bundle.body)
     blank = untrained(bundle)
     fixed = {"mean": predict_mean(n), "hold": predict_hold(layout, n), "ridge": fit_ridge(styles, n)}
     errors = {}
@@ -79,7 +84,7 @@ def other_styles(styles: Sequence[str], style: str) -> list[str]:
 
 
 def _mean(errors: Sequence[Error]) -> Error:
-    return Error(float(np.mean([error.mse for error in errors])), float(np.mean([error.bll for error in errors])))
+    return Error(*(float(np.mean([getattr(error, part.name) for error in errors])) for part in fields(Error)))
 
 
 def mean_over(errors: dict[str, dict[str, Error]], styles: Iterable[str]) -> dict[str, Error]:

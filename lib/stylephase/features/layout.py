@@ -3,8 +3,9 @@
 With the 25 joints of 100STYLE the input has 348 values, the output 342, a style clip 240 x 300.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -20,7 +21,10 @@ OUTPUT_SAMPLES = (0, 12, 24, 36, 48, 60)
 CLIP_FRAMES, CLIP_STRIDE = 240, 120
 FPS = 60.0
 _PER_JOINT = 12
-_PHASES = 8
+_EFFECTORS = 4
+
+# What the gate of a network sees: local phases (LPN), velocities of the end effectors (MANN), the global phase (PFNN).
+LOCAL, VELOCITIES, GLOBAL = "local", "velocities", "global"
 
 
 def feature_joints(skeleton: Skeleton) -> tuple[int, ...]:
@@ -28,12 +32,30 @@ def feature_joints(skeleton: Skeleton) -> tuple[int, ...]:
     return tuple(j for j in range(len(skeleton)) if not skeleton.sites[j] or j in skeleton.roles.hands)
 
 
+class Mirror(NamedTuple):
+    """How a vector is mirrored: the element that each one comes from, its sign, and what is added to all."""
+
+    source: Int[ndarray, " width"]
+    sign: Float[ndarray, " width"]
+    shift: float = 0.0
+
+
 @dataclass(frozen=True)
 class Layout:
-    """Slices of input x, output y, and phases p, for `joints` joints with `mirrored` partners."""
+    """Slices of input x, gate input p and output y, for `joints` joints with `mirrored` partners.
+
+    `effectors` are the places of hands and feet among the joints, in the order of the local phases. `gate` says what p
+    is; y holds what it takes to know the p of the next frame.
+    """
 
     joints: int
     mirrored: tuple[int, ...]
+    effectors: tuple[int, ...] = ()
+    gate: str = LOCAL
+
+    def with_gate(self, gate: str) -> "Layout":
+        """The same body for a network whose gate sees something else."""
+        return replace(self, gate=gate)
 
     @property
     def inputs(self) -> int:
@@ -47,13 +69,19 @@ class Layout:
 
     @property
     def outputs(self) -> int:
-        """Width of y: trajectory, pose, phases, phase updates, contacts (right, left)."""
-        return 4 * len(OUTPUT_SAMPLES) + self.pose + 2 * _PHASES + 2
+        """Width of y: trajectory, pose, phases and their updates as the gate needs them, contacts (right, left)."""
+        return self.y_contacts.stop
 
     @property
-    def phases(self) -> int:
-        """Width of the gating input: (sin, cos) of four end effectors."""
-        return _PHASES
+    def gate_inputs(self) -> int:
+        """Width of p: (sin, cos) or velocity of four end effectors, or the global phase (rad)."""
+        return {LOCAL: 2 * _EFFECTORS, VELOCITIES: 3 * _EFFECTORS, GLOBAL: 1}[self.gate]
+
+    @property
+    def x_velocities(self) -> list[int]:
+        """Columns of x with the velocities of the end effectors, which are MANN's gate input."""
+        first = [self.x_pose.start + _PER_JOINT * joint + 9 for joint in self.effectors]
+        return [start + axis for start in first for axis in range(3)]
 
     @property
     def x_trajectory(self) -> slice:
@@ -77,56 +105,65 @@ class Layout:
 
     @property
     def y_phases(self) -> slice:
-        """Phase vectors of the next frame in y."""
-        return slice(self.y_pose.stop, self.y_pose.stop + _PHASES)
+        """Phase vectors of the next frame in y: of local phases alone."""
+        return slice(self.y_pose.stop, self.y_pose.stop + (self.gate_inputs if self.gate == LOCAL else 0))
 
     @property
     def y_phase_updates(self) -> slice:
-        """Change of the phase vectors in y."""
-        return slice(self.y_phases.stop, self.y_phases.stop + _PHASES)
+        """Change of the phase vectors, or of the global phase (rad), in y."""
+        return slice(self.y_phases.stop, self.y_phases.stop + (0 if self.gate == VELOCITIES else self.gate_inputs))
 
     @property
     def y_contacts(self) -> slice:
         """Foot contacts (right, left) of the next frame in y."""
         return slice(self.y_phase_updates.stop, self.y_phase_updates.stop + 2)
 
+    @property
+    def y_shared(self) -> list[int]:
+        """Columns of y that a network has whatever its gate: trajectory, pose, contacts."""
+        return [*range(self.y_pose.stop), *range(self.y_contacts.start, self.y_contacts.stop)]
+
     @cached_property
-    def mirror_x(self) -> tuple[Int[ndarray, " inputs"], Float[ndarray, " inputs"]]:
+    def mirror_x(self) -> Mirror:
         """Which element each element of a mirrored x comes from, and with which sign."""
         return _joined(_trajectory_mirror(len(INPUT_SAMPLES)), self._pose_mirror)
 
     @cached_property
-    def mirror_y(self) -> tuple[Int[ndarray, " outputs"], Float[ndarray, " outputs"]]:
+    def mirror_y(self) -> Mirror:
         """The same for y."""
-        contacts = (np.array([1, 0]), np.ones(2))
-        parts = (_trajectory_mirror(len(OUTPUT_SAMPLES)), self._pose_mirror, self.mirror_p, self.mirror_p, contacts)
-        return _joined(*parts)
+        phases = {LOCAL: (self.mirror_p, self.mirror_p), VELOCITIES: (), GLOBAL: (Mirror(np.array([0]), np.ones(1)),)}
+        contacts = Mirror(np.array([1, 0]), np.ones(2))
+        return _joined(_trajectory_mirror(len(OUTPUT_SAMPLES)), self._pose_mirror, *phases[self.gate], contacts)
 
     @cached_property
-    def mirror_p(self) -> tuple[Int[ndarray, " phases"], Float[ndarray, " phases"]]:
-        """The same for p: left and right swap, no sign changes ([M22] release)."""
-        return np.array([2, 3, 0, 1, 6, 7, 4, 5]), np.ones(_PHASES)
+    def mirror_p(self) -> Mirror:
+        """The same for p: left and right swap. Of local phases no sign changes ([M22] release), the global one is half
+        a cycle on, and velocities turn their x axis."""
+        if self.gate == GLOBAL:
+            return Mirror(np.array([0]), np.ones(1), np.pi)
+        each = self.gate_inputs // _EFFECTORS
+        source = np.array([1, 0, 3, 2])[:, None] * each + np.arange(each)
+        sign = np.tile([-1.0, 1.0, 1.0], _EFFECTORS) if self.gate == VELOCITIES else np.ones(self.gate_inputs)
+        return Mirror(source.ravel(), sign)
 
     @cached_property
-    def _pose_mirror(self) -> tuple[ndarray, ndarray]:
+    def _pose_mirror(self) -> Mirror:
         source = np.array(self.mirrored)[:, None] * _PER_JOINT + np.arange(_PER_JOINT)
-        return source.ravel(), np.tile([-1.0, 1.0, 1.0], 4 * self.joints)
+        return Mirror(source.ravel(), np.tile([-1.0, 1.0, 1.0], 4 * self.joints))
 
 
-def _trajectory_mirror(samples: int) -> tuple[ndarray, ndarray]:
-    return np.arange(4 * samples), np.tile([-1.0, 1.0, -1.0, 1.0], samples)
+def _trajectory_mirror(samples: int) -> Mirror:
+    return Mirror(np.arange(4 * samples), np.tile([-1.0, 1.0, -1.0, 1.0], samples))
 
 
-def _joined(*parts: tuple[ndarray, ndarray]) -> tuple[ndarray, ndarray]:
-    sources, signs, start = [], [], 0
-    for source, sign in parts:
-        sources.append(source + start)
-        signs.append(sign)
-        start += len(source)
-    return np.concatenate(sources), np.concatenate(signs)
+def _joined(*parts: Mirror) -> Mirror:
+    starts = np.cumsum([0, *(len(part.source) for part in parts[:-1])])
+    source = np.concatenate([part.source + start for part, start in zip(parts, starts, strict=True)])
+    return Mirror(source, np.concatenate([part.sign for part in parts]))
 
 
 def layout_of(skeleton: Skeleton) -> Layout:
-    """The layout for a skeleton's feature joints."""
+    """The layout for a skeleton's feature joints, and local phases."""
     joints = feature_joints(skeleton)
-    return Layout(len(joints), tuple(joints.index(skeleton.mirrored[j]) for j in joints))
+    mirrored = tuple(joints.index(skeleton.mirrored[j]) for j in joints)
+    return Layout(len(joints), mirrored, tuple(joints.index(j) for j in skeleton.roles.effectors))

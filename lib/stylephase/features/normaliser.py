@@ -4,8 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
+
+from stylephase.features.layout import GLOBAL, Layout, Mirror
 
 # A deviation below this is a constant and becomes 1; a small one is raised to the floor. Some columns hardly vary by
 # construction (the facing's forward part); at their true scale their noise would rule the error.
@@ -19,8 +21,8 @@ class Normaliser:
 
     x_mean: Float[ndarray, " inputs"]
     x_std: Float[ndarray, " inputs"]
-    p_mean: Float[ndarray, " phases"]
-    p_std: Float[ndarray, " phases"]
+    p_mean: Float[ndarray, " gate_inputs"]
+    p_std: Float[ndarray, " gate_inputs"]
     y_mean: Float[ndarray, " outputs"]
     y_std: Float[ndarray, " outputs"]
 
@@ -31,12 +33,12 @@ class Moments:
     def __init__(self, width: int):
         self.count, self.total, self.squares = 0, np.zeros(width), np.zeros(width)
 
-    def add(self, rows: Float[ndarray, "rows width"], mirror: tuple[Int[ndarray, " width"], ndarray] | None) -> None:
+    def add(self, rows: Float[ndarray, "rows width"], mirror: Mirror | None) -> None:
         """Take in rows, and their mirror images too where `mirror` says how."""
         rows = rows.astype(np.float64)
         total, squares, times = rows.sum(axis=0), np.square(rows).sum(axis=0), 1
         if mirror is not None:
-            source, sign = mirror
+            source, sign, _ = mirror
             total, squares, times = total + total[source] * sign, squares + squares[source], 2
         self.count += times * len(rows)
         self.total, self.squares = self.total + total, self.squares + squares
@@ -48,12 +50,16 @@ class Moments:
         return mean, np.where(std < _CONSTANT, 1.0, np.maximum(std, _FLOOR))
 
 
-def normaliser_of(styles: Iterable, layout) -> Normaliser:
-    """The normaliser over the training rows of some StyleVectors, symmetric styles counted with their mirror images."""
-    moments = (Moments(layout.inputs), Moments(layout.phases), Moments(layout.outputs))
+def normaliser_of(styles: Iterable, layout: Layout) -> Normaliser:
+    """The normaliser over the training rows of some StyleVectors, symmetric styles counted with their mirror images.
+
+    A global phase is an angle and stays as it is.
+    """
+    moments = (Moments(layout.inputs), Moments(layout.gate_inputs), Moments(layout.outputs))
     mirrors = (layout.mirror_x, layout.mirror_p, layout.mirror_y)
     for style in styles:
         rows = style.rows("train")
         for values, moment, mirror in zip((style.x, style.p, style.y), moments, mirrors, strict=True):
             moment.add(values[rows], mirror if style.symmetric else None)
-    return Normaliser(*(part for moment in moments for part in moment.mean_std()))
+    x, p, y = (moment.mean_std() for moment in moments)
+    return Normaliser(*x, *((np.zeros(1), np.ones(1)) if layout.gate == GLOBAL else p), *y)

@@ -2,7 +2,7 @@
 
 import hashlib
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ from stylephase.data.registry import OWN, Dataset
 from stylephase.data.split import PARTS, split
 from stylephase.errors import InputError
 from stylephase.features.body import Body, body_from_json, body_of
-from stylephase.features.layout import FPS
+from stylephase.features.layout import FPS, GLOBAL, LOCAL, Layout
 from stylephase.features.vectors import vectors
 from stylephase.files import read_json, sha256, write_arrays, write_json
 from stylephase.motion.clip import forward_kinematics
@@ -28,6 +28,7 @@ from stylephase.phase.take import TakePhases, movement_of, movement_phases
 # The split is drawn once for a data set; another seed would let a model see another's test frames.
 _SPLIT_SEED = 0
 _NO_PART = -1
+_ARRAYS = ("x", "p", "y", "phase", "phase_update", "take", "part")
 # The modules that decide what the vectors are.
 _SOURCES = ("motion/*.py", "phase/*.py", "data/layouts.py", "data/split.py", "features/[!cn]*.py")
 
@@ -36,16 +37,20 @@ _SOURCES = ("motion/*.py", "phase/*.py", "data/layouts.py", "data/split.py", "fe
 class StyleVectors:
     """Vectors of all usable takes of one style, in the order of the catalogue.
 
-    `take` numbers each row's take within the style, `part` its part of the split (an index of PARTS, -1 for a guard
-    or for a last row whose next frame lies in another part), `gaits` names the gait of each take.
+    p and y are those of one gate: of local phases, unless `for_gate` has made them another's. `phase` is the global
+    phase (rad) and `phase_update` its change to the next frame. `take` numbers each row's take within the style, `part`
+    its part of the split (an index of PARTS, -1 for a guard or for a last row whose next frame lies in another part),
+    `gaits` names the gait of each take.
     """
 
     style: str
     symmetric: bool
     gaits: tuple[str, ...]
     x: Float[ndarray, "rows inputs"]
-    p: Float[ndarray, "rows 8"]
+    p: Float[ndarray, "rows gate_inputs"]
     y: Float[ndarray, "rows outputs"]
+    phase: Float[ndarray, " rows"]
+    phase_update: Float[ndarray, " rows"]
     take: Int[ndarray, " rows"]
     part: Int[ndarray, " rows"]
 
@@ -55,6 +60,20 @@ class StyleVectors:
         if gait is not None:
             chosen &= np.array([g == gait for g in self.gaits])[self.take]
         return np.flatnonzero(chosen)
+
+
+def for_gate(style: StyleVectors, layout: Layout) -> StyleVectors:
+    """The same rows for a network whose gate sees what `layout` says, from vectors of local phases.
+
+    MANN looks at velocities in x and predicts no phase, PFNN at the global phase, whose change it predicts ([M22] 5.2).
+    """
+    if layout.gate == LOCAL:
+        return style
+    p, between = style.x[:, layout.x_velocities], np.zeros((len(style.x), 0), np.float32)
+    if layout.gate == GLOBAL:
+        p, between = style.phase[:, None], style.phase_update[:, None]
+    joined = np.concatenate([style.y[:, : layout.y_pose.stop], between, style.y[:, -2:]], axis=1)
+    return replace(style, p=p, y=joined)
 
 
 class VectorStore:
@@ -86,11 +105,11 @@ class VectorStore:
         path = self.path(style)
         if not path.exists():
             made = style_vectors(self.catalogue, style, self.body, self.phases)
-            arrays = {name: getattr(made, name) for name in ("x", "p", "y", "take", "part")}
+            arrays = {name: getattr(made, name) for name in _ARRAYS}
             write_arrays(path, gaits=np.array(made.gaits), symmetric=np.array(made.symmetric), **arrays)
         with np.load(path, allow_pickle=False) as found:
             gaits = tuple(str(gait) for gait in found["gaits"])
-            arrays = {name: found[name] for name in ("x", "p", "y", "take", "part")}
+            arrays = {name: found[name] for name in _ARRAYS}
             return StyleVectors(style, bool(found["symmetric"]), gaits, **arrays)
 
 
@@ -128,17 +147,16 @@ def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> 
     found = _phases(catalogue.dataset, entries, movements, variant(phases))
     parts = _parts(split(entries, [len(clip) for clip in takes], seed=_SPLIT_SEED), [len(clip) for clip in takes])
     rows = [
-        vectors(pose, body.skeleton, body.rest, FPS, take.local.vectors, take.contacts)
+        vectors(pose, body.skeleton, body.rest, FPS, take.local.vectors, take.contacts, take.global_phase)
         for pose, take in zip(poses, found, strict=True)
     ]
-    x, p, y = (np.concatenate([getattr(row, kind) for row in rows]).astype(np.float32) for kind in "xpy")
+    kinds = ("x", "p", "y", "phase", "phase_update")
+    arrays = {kind: np.concatenate([getattr(row, kind) for row in rows]).astype(np.float32) for kind in kinds}
     return StyleVectors(
         style=style,
         symmetric=all(entry.symmetric for entry in entries),
         gaits=tuple(entry.gait for entry in entries),
-        x=x,
-        p=p,
-        y=y,
+        **arrays,
         take=np.repeat(np.arange(len(takes)), [len(part) for part in parts]),
         part=np.concatenate(parts),
     )

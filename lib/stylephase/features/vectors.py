@@ -10,15 +10,21 @@ from stylephase.features.layout import INPUT_SAMPLES, OUTPUT_SAMPLES, feature_jo
 from stylephase.motion.clip import Pose, velocities
 from stylephase.motion.root import Root, root_of, rotate_to_local, to_local, turn
 from stylephase.motion.skeleton import Skeleton
+from stylephase.phase.circular import wrap
 
 
 @dataclass(frozen=True)
 class Vectors:
-    """Vectors of frames 0 ... T-2 of a take of T frames; row t of `y` describes frame t+1 as seen from root t."""
+    """Vectors of frames 0 ... T-2 of a take of T frames; row t of `y` describes frame t+1 as seen from root t.
+
+    `phase` is the global phase (rad), `phase_update` its change to the next frame.
+    """
 
     x: Float[ndarray, "rows inputs"]
     p: Float[ndarray, "rows 8"]
     y: Float[ndarray, "rows outputs"]
+    phase: Float[ndarray, " rows"]
+    phase_update: Float[ndarray, " rows"]
 
 
 def vectors(
@@ -28,8 +34,11 @@ def vectors(
     fps: float,
     phases: Float[ndarray, "frames 8"],
     contacts: Bool[ndarray, "frames 2"],
+    global_phase: Float[ndarray, " frames"] | None = None,
 ) -> Vectors:
     """Vectors of a take at 60 frames per second; `phases` are phase vectors, `contacts` right and left.
+
+    The global phase (rad) is 0 throughout where it is left out.
 
     Beyond its ends the root's path goes on reflected about the end frame ([M22] release).
     """
@@ -44,7 +53,9 @@ def vectors(
         np.diff(phases, axis=0),
         contacts[1:].astype(float),
     ]
-    return Vectors(np.concatenate(x, axis=1), phases[:-1], np.concatenate(y, axis=1))
+    global_phase = np.zeros(len(phases)) if global_phase is None else global_phase
+    update = wrap(np.diff(global_phase) + np.pi, 2 * np.pi) - np.pi
+    return Vectors(np.concatenate(x, axis=1), phases[:-1], np.concatenate(y, axis=1), global_phase[:-1], update)
 
 
 def _body(pose: Pose, skeleton: Skeleton, rest: ndarray, fps: float) -> list[ndarray]:

@@ -92,7 +92,7 @@ def release_bundle() -> Bundle:
     body = body_of(load_catalogue("100style"))
     # Tensors on the device meta have a shape and no values: whoever runs the generator is told so.
     with torch.device("meta"):
-        network = build_network(body, _SETTINGS)
+        network = build_network("lpn-film", body, STYLES, _SETTINGS)
     network.synthesis = released.network
     about = {"data": "100style", "phases": "release"}
     about |= {key: getattr(source, key) for key in ("origin", "licence", "credit", "source")}

@@ -7,8 +7,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from stylephase.errors import InputError
-from stylephase.features.body import Body
-from stylephase.features.layout import Layout
+from stylephase.features.layout import GLOBAL, LOCAL, VELOCITIES, Layout
 from stylephase.models.generator import FilmGenerator
 from stylephase.models.lpn import LpnFilm, SynthesisNetwork
 from stylephase.models.modulators import Film, Modulator, OneHot
@@ -16,7 +15,8 @@ from stylephase.models.pfnn import Pfnn, adapters, decomposed_layer
 from stylephase.models.spline import POINTS
 from stylephase.models.synthesis import NetworkSettings, StyledNetwork, Synthesis
 
-_EFFECTORS = 4
+# What the gate of each backbone sees.
+_GATES = {"lpn": LOCAL, "mann": VELOCITIES, "pfnn": GLOBAL}
 
 
 @dataclass(frozen=True)
@@ -70,18 +70,18 @@ def model(name: str) -> Model:
     return MODELS[name]
 
 
+def layout_for(name: str, layout: Layout) -> Layout:
+    """The layout of a model's vectors; raises InputError for an unknown name."""
+    return layout.with_gate(_GATES[model(name).backbone])
+
+
 def widths_of(name: str, layout: Layout) -> Widths:
     """Widths of a model on the vectors of [M22] 3.2: what the gate needs for the next frame is all that differs.
 
     LPN predicts its phases and their update, PFNN the change of its global phase; MANN's velocities are in the pose.
     """
-    without = layout.outputs - (layout.y_phase_updates.stop - layout.y_phases.start)
-    gate, extra = {
-        "lpn": (layout.phases, layout.outputs - without),
-        "mann": (3 * _EFFECTORS, 0),
-        "pfnn": (1, 1),
-    }[model(name).backbone]
-    return Widths(layout.inputs, gate, without + extra, layout.pose)
+    own = layout_for(name, layout)
+    return Widths(own.inputs, own.gate_inputs, own.outputs, own.pose)
 
 
 def build(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> StyledNetwork:
@@ -118,13 +118,9 @@ def _modulator(kind: str, styles: int, settings: NetworkSettings) -> Modulator:
     return adapters(kind, styles, settings.units)
 
 
-def velocity_columns(body: Body) -> list[int]:
-    """Columns of x that are MANN's gate input: velocities of hands and feet, in the order of the local phases."""
-    starts = [body.joints.index(joint) for joint in body.skeleton.roles.effectors]
-    first, per_joint = body.layout.x_pose.start, body.layout.pose // body.layout.joints
-    return [first + per_joint * joint + 9 + axis for joint in starts for axis in range(3)]
+def style_codes(network: StyledNetwork, styles: int) -> Float[Tensor, "styles values"]:
+    """The code of each style where codes are weights over styles, of no width where the network knows no styles.
 
-
-def style_codes(network: StyledNetwork) -> Float[Tensor, "styles values"]:
-    """The code of each style where codes are weights over styles; FiLM's codes come from its generator instead."""
-    return torch.eye(network.synthesis.modulator.values)
+    FiLM's codes come from its generator instead.
+    """
+    return torch.eye(styles, network.synthesis.modulator.values)

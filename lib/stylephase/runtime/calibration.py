@@ -42,10 +42,10 @@ def warm_start(
     n = bundle.normaliser
     x, p = (np.tile(mean, (len(codes), 1)) for mean in (n.x_mean, n.p_mean))
     controller, plan = Controller(bundle, codes, ControllerSettings()), Steady(speeds)
-    state = start_state(x, p, bundle.body.layout)
+    state = start_state(x, p, bundle.layout)
     for frame in range(int(_WARM_UP_SECONDS * FPS)):
         state = controller.step(state, plan(frame, state))
-    return start_state(input_of(state), state.phases, bundle.body.layout)
+    return start_state(input_of(state), state.phases, bundle.layout)
 
 
 def calibrate(

@@ -9,14 +9,16 @@ from jaxtyping import Float
 from numpy import ndarray
 from torch import Tensor
 
-from stylephase.features.layout import FPS, OUTPUT_SAMPLES, Layout
+from stylephase.features.layout import FPS, LOCAL, OUTPUT_SAMPLES, VELOCITIES, Layout
 from stylephase.models.bundle import Bundle
-from stylephase.motion.root import Root, rotate_to_local, to_local
-from stylephase.motion.rotations import from_axes
-from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_samples, on_ground, samples_of, steer
+from stylephase.motion.root import Root
+from stylephase.runtime.axes import from_axes, root_axes
+from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_samples, samples_of, steer, to_world
 
 # From x and p in metres, and codes, to y in metres.
-Predict = Callable[[Float[ndarray, "rows inputs"], Float[ndarray, "rows 8"], Float[ndarray, "rows values"]], ndarray]
+Predict = Callable[
+    [Float[ndarray, "rows inputs"], Float[ndarray, "rows gate_inputs"], Float[ndarray, "rows values"]], ndarray
+]
 
 
 @dataclass(frozen=True)
@@ -49,14 +51,15 @@ class State:
     """Some characters between two frames.
 
     `path` runs through the root, `positions` (m) and `velocities` (m/s) of the joints are in the world, `rotations`
-    turn each joint from the rest pose; `phases` are phase vectors, `contacts` the network's last (right, left).
+    turn each joint from the rest pose; `phases` is what the gate sees: phase vectors, the global phase (rad), or the
+    last velocities of the end effectors; `contacts` are the network's last (right, left).
     """
 
     path: Trajectory
     positions: Float[ndarray, "characters joints 3"]
     rotations: Float[ndarray, "characters joints 3 3"]
     velocities: Float[ndarray, "characters joints 3"]
-    phases: Float[ndarray, "characters 8"]
+    phases: Float[ndarray, "characters gate_inputs"]
     contacts: Float[ndarray, "characters 2"]
 
     def repeated(self, times: int) -> "State":
@@ -68,13 +71,16 @@ class State:
 
 def input_of(state: State) -> Float[ndarray, "characters inputs"]:
     """The network's input x (metres) for the present state."""
-    root, forward, up = state.path.root, state.rotations[..., 2], state.rotations[..., 1]
-    directions = [rotate_to_local(root, part) for part in (forward, up, state.velocities)]
-    pose = np.concatenate([to_local(root, state.positions), *directions], axis=-1)
+    root, axes = state.path.root, state.rotations
+    pose = np.stack([state.positions, axes[..., 2], axes[..., 1], state.velocities], axis=2)
+    pose[:, :, 0, ::2] -= root.positions[:, None]
+    pose = pose.reshape(len(pose), -1, 3) @ root_axes(root).transpose(0, 2, 1)
     return np.concatenate([samples_of(state.path), pose.reshape(len(pose), -1)], axis=1)
 
 
-def start_state(x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"], layout: Layout) -> State:
+def start_state(
+    x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters gate_inputs"], layout: Layout
+) -> State:
     """Characters at the origin, facing +z, in the state of some frames of data."""
     origin = Root(np.zeros((len(x), 2)), np.zeros(len(x)))
     joints = x[:, layout.x_pose].reshape(len(x), layout.joints, 4, 3)
@@ -96,12 +102,12 @@ class Controller:
         settings: ControllerSettings,
         fast: Predict | None = None,
     ):
-        self.layout, self.settings, self.codes, self.fast = bundle.body.layout, settings, codes, fast
+        self.layout, self.settings, self.codes, self.fast = bundle.layout, settings, codes, fast
         self.network = bundle.network.synthesis.eval()
         n = bundle.normaliser
         self.scales = {"x": (n.x_mean, n.x_std), "p": (n.p_mean, n.p_std), "y": (n.y_mean, n.y_std)}
 
-    def predict(self, x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters 8"]) -> ndarray:
+    def predict(self, x: Float[ndarray, "characters inputs"], p: Float[ndarray, "characters gate_inputs"]) -> ndarray:
         """The network's outputs y for inputs in metres."""
         if self.fast is not None:
             return self.fast(x, p, self.codes.numpy()).astype(float)
@@ -124,29 +130,33 @@ class Controller:
         bias = {"position_bias": how.position_bias, "direction_bias": how.direction_bias, "reach": how.reach}
         state = replace(state, path=steer(state.path, steering, **bias))
         path, root = state.path, state.path.root
-        y = self.predict(input_of(state), state.phases)
-        predicted = _world_samples(y[:, self.layout.y_trajectory], root)
-        joints = y[:, self.layout.y_pose].reshape(len(y), self.layout.joints, 4, 3)
-        position, forward, up, velocity = np.einsum("nij,ncpj->cnpi", root.matrices, joints.transpose(0, 2, 1, 3))
-        position = position + np.stack([root.positions[:, 0], np.zeros(len(y)), root.positions[:, 1]], -1)[:, None]
+        x = input_of(state)
+        p = x[:, self.layout.x_velocities] if self.layout.gate == VELOCITIES else state.phases
+        y = self.predict(x, p)
+        predicted = to_world(y[:, self.layout.y_trajectory].reshape(len(y), len(OUTPUT_SAMPLES), 4), root)
+        joints = y[:, self.layout.y_pose].reshape(len(y), -1, 3) @ root_axes(root)
+        position, forward, up, velocity = joints.reshape(len(y), -1, 4, 3).transpose(2, 0, 1, 3)
+        position[..., ::2] += root.positions[:, None]
         carried = state.positions + velocity / FPS
-        phases = y[:, self.layout.y_phases], state.phases + y[:, self.layout.y_phase_updates]
         return replace(
             state,
             path=advance(path, predicted, how.root_share, how.path_share),
             positions=carried + how.pose_share * (position - carried),
             rotations=from_axes(forward, up),
             velocities=velocity,
-            phases=how.phase_share * phases[0] + (1 - how.phase_share) * phases[1],
+            phases=next_phases(p, y, self.layout, how.phase_share),
             contacts=y[:, self.layout.y_contacts],
         )
 
 
-def _world_samples(
-    trajectory: Float[ndarray, "characters values"], root: Root
-) -> Float[ndarray, "characters samples 4"]:
-    """Predicted samples (x, z, direction) in the world."""
-    samples = trajectory.reshape(len(trajectory), len(OUTPUT_SAMPLES), 4)
-    turned = on_ground(root.angles)
-    places = np.einsum("nij,npj->npi", turned, samples[..., :2]) + root.positions[:, None]
-    return np.concatenate([places, np.einsum("nij,npj->npi", turned, samples[..., 2:])], axis=-1)
+def next_phases(
+    p: Float[ndarray, "characters gate_inputs"], y: Float[ndarray, "characters outputs"], layout: Layout, share: float
+) -> Float[ndarray, "characters gate_inputs"]:
+    """The gate's next phases: the global one moves on by its update ([M18] 5.1); of local ones `share` is predicted.
+
+    Velocities stay, since the next frame's are in its pose.
+    """
+    if layout.gate == VELOCITIES:
+        return p
+    moved = p + y[:, layout.y_phase_updates]
+    return share * y[:, layout.y_phases] + (1 - share) * moved if layout.gate == LOCAL else moved % (2 * np.pi)

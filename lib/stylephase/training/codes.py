@@ -8,6 +8,8 @@ from torch import Tensor
 from stylephase.features.clips import clip_rows, walking_gaits
 from stylephase.features.store import StyleVectors
 from stylephase.models.generator import FilmGenerator
+from stylephase.models.synthesis import StyledNetwork
+from stylephase.models.zoo import style_codes
 from stylephase.training.sampler import Scaling
 
 # Clips that a stored code averages over. The paper allows one clip or an average; the release takes one.
@@ -27,6 +29,12 @@ def clip_codes(
         return generator(scaling.scaled("clip", poses))
 
 
-def style_code(generator: FilmGenerator, style: StyleVectors, scaling: Scaling) -> Float[Tensor, " values"]:
-    """The stored code of a style."""
-    return clip_codes(generator, style, scaling).mean(dim=0).clone()
+def stored_codes(
+    network: StyledNetwork, styles: list[StyleVectors], scaling: Scaling
+) -> dict[str, Float[Tensor, " values"]]:
+    """The code of each style: the generator's over its clips, or weights that are one for the style alone."""
+    if network.generator is None:
+        codes = style_codes(network, len(styles))
+    else:
+        codes = torch.stack([clip_codes(network.generator, style, scaling).mean(dim=0) for style in styles])
+    return {style.style: code.clone() for style, code in zip(styles, codes, strict=True)}

@@ -19,7 +19,7 @@ class Batch:
     """Normalised rows in consecutive groups of equal size, one group for each style drawn, in the order drawn."""
 
     x: Float[Tensor, "rows inputs"]
-    p: Float[Tensor, "rows phases"]
+    p: Float[Tensor, "rows gate_inputs"]
     y: Float[Tensor, "rows outputs"]
 
 
@@ -34,18 +34,20 @@ class Scaling:
         self.x, self.p, self.y = tensors("x"), tensors("p"), tensors("y")
         self.clip = [part[layout.x_pose] for part in self.x]
         self.mirrors = {
-            name: (torch.from_numpy(source), torch.from_numpy(sign).float())
-            for name, (source, sign) in zip("xpy", (layout.mirror_x, layout.mirror_p, layout.mirror_y), strict=True)
+            name: (torch.from_numpy(source), torch.from_numpy(sign).float(), shift)
+            for name, (source, sign, shift) in zip(
+                "xpy", (layout.mirror_x, layout.mirror_p, layout.mirror_y), strict=True
+            )
         }
         pose = slice(layout.x_trajectory.stop, None)
-        source, sign = self.mirrors["x"]
-        self.mirrors["clip"] = (source[pose] - pose.start, sign[pose])
+        source, sign, shift = self.mirrors["x"]
+        self.mirrors["clip"] = (source[pose] - pose.start, sign[pose], shift)
 
     def mirrored(self, kind: str, values: Tensor, flip: Tensor) -> Tensor:
         """Rows of a kind (x, p, y or clip), mirrored where `flip` says so."""
-        source, sign = self.mirrors[kind]
+        source, sign, shift = self.mirrors[kind]
         shape = (-1,) + (1,) * (values.ndim - 1)
-        return torch.where(flip.view(shape), values[..., source] * sign, values)
+        return torch.where(flip.view(shape), values[..., source] * sign + shift, values)
 
     def scaled(self, kind: str, values: Tensor) -> Tensor:
         """Rows of a kind, normalised."""

@@ -25,7 +25,7 @@ def run(capsys, *words: str) -> tuple[int, str, str]:
 
 def test_it_writes_a_graph_and_the_codes_beside_it(tmp_path, capsys):
     made = made_bundle(SMALL)
-    made.network.generator = build_network(made.body, SMALL).generator
+    made.network.generator = build_network("lpn-film", made.body, 1, SMALL).generator
     save_bundle(tmp_path / "run", made)
     status, out, _ = run(
         capsys, "--weights", str(tmp_path / "run"), "--onnx", str(tmp_path / "out/walk.onnx"), "--json"

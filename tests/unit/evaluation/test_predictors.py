@@ -1,7 +1,7 @@
 """Predictors of the next frame, naive and trained, and the test that all of them take."""
 
 import sys
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ class TestRidge:
         y = np.concatenate([x, p], axis=1) @ planted + offset
         part = np.full(4000, PARTS.index("train"))
         part[3000:] = PARTS.index("test")
-        made = StyleVectors("made", False, ("FW",), x, p, y, np.zeros(4000, dtype=int), part)
+        made = StyleVectors("made", False, ("FW",), x, p, y, *np.zeros((2, 4000)), np.zeros(4000, dtype=int), part)
         x_mean, widths = x.mean(0) + 0.5, (6, 8, 5)
         ones = [np.ones(w) for w in widths]
         return [made], Normaliser(x_mean, x.std(0), p.mean(0), ones[1], y.mean(0) - 0.3, y.std(0)), planted
@@ -133,7 +133,9 @@ class TestRows:
     def style(self, tests: int) -> StyleVectors:
         part = np.concatenate([np.zeros(50, dtype=int), np.full(tests, PARTS.index("test"))])
         blank = [np.zeros((len(part), width)) for width in (1, 8, 1)]
-        return StyleVectors("a", False, ("FW",), *blank, np.zeros(len(part), dtype=int), part)
+        return StyleVectors(
+            "a", False, ("FW",), *blank, *np.zeros((2, len(part))), np.zeros(len(part), dtype=int), part
+        )
 
     @pytest.mark.parametrize(("tests", "count"), [(0, 0), (1, 1), (999, 999), (1000, 1000), (5000, 1000)])
     def test_they_are_test_rows_and_at_most_1000(self, tests, count):
@@ -214,22 +216,22 @@ class TestMeans:
     @pytest.fixture
     def errors(self) -> dict:
         made = {
-            "a": {"network": (1.0, 0.1), "wrong code": (4.0, 0.4)},
-            "b": {"network": (3.0, 0.3), "wrong code": (6.0, 0.6)},
-            "c": {"network": (9.0, 0.9)},
+            "a": {"network": (1.0, 0.1, 0.01), "wrong code": (4.0, 0.4, 0.04)},
+            "b": {"network": (3.0, 0.3, 0.03), "wrong code": (6.0, 0.6, 0.06)},
+            "c": {"network": (9.0, 0.9, 0.09)},
         }
         return {style: {name: module.Error(*error) for name, error in one.items()} for style, one in made.items()}
 
     def test_they_are_plain_means_over_the_styles_asked_for(self, errors):
         found = module.mean_over(errors, ["a", "b"])
-        assert {name: (error.mse, pytest.approx(error.bll)) for name, error in found.items()} == {
-            "network": (2.0, 0.2),
-            "wrong code": (5.0, 0.5),
+        assert {name: pytest.approx(astuple(error)) for name, error in found.items()} == {
+            "network": (2.0, 0.2, 0.02),
+            "wrong code": (5.0, 0.5, 0.05),
         }
 
     def test_what_not_all_styles_have_has_no_mean(self, errors):
         assert list(module.mean_over(errors, ["a", "c"])) == ["network"]
 
     def test_styles_without_errors_are_passed_over(self, errors):
-        assert module.mean_over(errors, ["a", "z"])["network"] == module.Error(1.0, 0.1)
+        assert module.mean_over(errors, ["a", "z"])["network"] == module.Error(1.0, 0.1, 0.01)
         assert module.mean_over(errors, ["z"]) == {}

@@ -22,7 +22,7 @@ def made(name: str, seed: int, offset: np.ndarray | float = 0.0, gaits: tuple[st
     x[take == 0, LAYOUT.x_pose] += offset
     part = np.tile(np.repeat([PARTS.index("train"), PARTS.index("test")], half), 2)
     blank = np.zeros((len(x), 8)), np.zeros((len(x), LAYOUT.outputs))
-    return StyleVectors(name, False, gaits, x, *blank, take, part)
+    return StyleVectors(name, False, gaits, x, *blank, *np.zeros((2, len(x))), take, part)
 
 
 @pytest.fixture(scope="module")

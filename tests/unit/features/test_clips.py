@@ -14,8 +14,9 @@ GAITS = ("walk", "run", "walk")
 def style_of(take: np.ndarray, part: np.ndarray) -> StyleVectors:
     """A style with the given take and part of each row; its vectors are of no interest."""
     rows = len(take)
-    empty = np.zeros((rows, 1), dtype=np.float32)
-    return StyleVectors("any", False, GAITS, empty, np.zeros((rows, 8), dtype=np.float32), empty, take, part)
+    empty, phase = np.zeros((rows, 1), dtype=np.float32), np.zeros(rows, dtype=np.float32)
+    p = np.zeros((rows, 8), dtype=np.float32)
+    return StyleVectors("any", False, GAITS, empty, p, empty, phase, phase, take, part)
 
 
 def runs(lengths: list[int], parts: list[str | None]) -> StyleVectors:

@@ -21,8 +21,8 @@ def vectors_of(layout: Layout, *, rows: int, symmetric: bool, seed: int) -> Styl
 
     part = rng.integers(-1, len(PARTS), rows)
     take = np.zeros(rows, dtype=int)
-    made = (values(layout.inputs), values(layout.phases), values(layout.outputs))
-    return StyleVectors("any", symmetric, ("walk",), *made, take, part)
+    made = (values(layout.inputs), values(layout.gate_inputs), values(layout.outputs))
+    return StyleVectors("any", symmetric, ("walk",), *made, *np.zeros((2, len(take)), np.float32), take, part)
 
 
 def two_pass(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -41,7 +41,7 @@ def test_only_training_rows_count_and_symmetric_styles_with_their_mirror_images(
     found = normaliser_of(styles, layout)
     for name, mirror in (("x", layout.mirror_x), ("p", layout.mirror_p), ("y", layout.mirror_y)):
         rows = [getattr(style, name)[style.part == PARTS.index("train")] for style in styles]
-        source, sign = mirror
+        source, sign, _ = mirror
         mean, std = two_pass(np.concatenate([rows[0], rows[0][:, source] * sign, rows[1]]))
         np.testing.assert_allclose(getattr(found, f"{name}_mean"), mean.astype(float), atol=1e-12)
         np.testing.assert_allclose(getattr(found, f"{name}_std"), std.astype(float), rtol=1e-10)
@@ -50,7 +50,7 @@ def test_only_training_rows_count_and_symmetric_styles_with_their_mirror_images(
 def test_the_mean_of_symmetric_styles_alone_is_its_own_mirror_image(layout):
     """What is odd under mirroring, such as sideways speed, has mean zero; the hips' x among them."""
     found = normaliser_of([vectors_of(layout, rows=50, symmetric=True, seed=3)], layout)
-    source, sign = layout.mirror_x
+    source, sign, _ = layout.mirror_x
     np.testing.assert_allclose(found.x_mean[source] * sign, found.x_mean, atol=1e-12)
     assert abs(found.x_mean[48]) < 1e-12
 

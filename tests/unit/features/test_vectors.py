@@ -148,7 +148,7 @@ class TestWorld:
 
 
 def image(values: np.ndarray, mirror: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    source, sign = mirror
+    source, sign, _ = mirror
     return values[:, source] * sign
 
 

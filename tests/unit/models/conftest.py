@@ -20,8 +20,8 @@ def bundle() -> Bundle:
     torch.manual_seed(0)
     rng = np.random.default_rng(0)
     body = Body(SKELETON, np.tile(np.eye(3), (len(SKELETON), 1, 1)))
-    widths = (body.layout.inputs, body.layout.phases, body.layout.outputs)
+    widths = (body.layout.inputs, body.layout.gate_inputs, body.layout.outputs)
     normaliser = Normaliser(*(rng.uniform(0.5, 2.0, width) for width in np.repeat(widths, 2)))
     codes = {"Plain": torch.randn(32), "Very old": torch.randn(32)}
     about = {"data": "made", "preset": "small", "seed": 3}
-    return Bundle("lpn-film", build_network(body, SMALL).eval(), SMALL, body, normaliser, codes, about)
+    return Bundle("lpn-film", build_network("lpn-film", body, 2, SMALL).eval(), SMALL, body, normaliser, codes, about)

@@ -27,7 +27,7 @@ def folder(bundle, tmp_path) -> Path:
 def outputs(bundle: Bundle, style: str) -> torch.Tensor:
     layout = bundle.body.layout
     generator = torch.Generator().manual_seed(1)
-    x, p = (torch.randn(4, width, generator=generator) for width in (layout.inputs, layout.phases))
+    x, p = (torch.randn(4, width, generator=generator) for width in (layout.inputs, layout.gate_inputs))
     clip = torch.randn(1, 240, layout.pose, generator=generator)
     with torch.inference_mode():
         codes = torch.cat([bundle.code(style)[None].expand(3, -1), bundle.network.generator(clip)])
@@ -53,6 +53,20 @@ def test_a_round_trip_gives_identical_outputs(bundle, folder):
     assert not found.network.training and found.styles == bundle.styles
     for style in bundle.styles:
         assert torch.equal(outputs(found, style), outputs(bundle, style))
+
+
+def test_weights_to_run_a_character_are_half_as_precise_and_make_no_codes(bundle, tmp_path):
+    save_bundle(tmp_path / "run", bundle, to_run=True)
+    found = load_bundle(tmp_path / "run")
+    assert bundle.makes_codes and not found.makes_codes
+    x, p = torch.randn(4, bundle.layout.inputs), torch.randn(4, bundle.layout.gate_inputs)
+    for style in bundle.styles:
+        ours, full = (b.network.synthesis(x, p, b.code(style)[None].expand(4, -1)) for b in (found, bundle))
+        assert 0 < (ours - full).abs().max() < 0.01 * full.abs().max()
+    with pytest.raises(RuntimeError, match="meta"):
+        found.network.generator(torch.zeros(1, 240, bundle.layout.pose))
+    save_bundle(tmp_path / "again", found)
+    assert torch.equal(load_bundle(tmp_path / "again").code("Plain"), found.code("Plain"))
 
 
 def test_a_round_trip_keeps_all_that_describes_the_model(bundle, folder):

@@ -10,7 +10,7 @@ from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import LpnFilm
 from stylephase.models.spline import catmull_rom
 from stylephase.models.synthesis import NetworkSettings
-from stylephase.models.zoo import MODELS, PAPER_2022, Widths, build, model, style_codes, velocity_columns, widths_of
+from stylephase.models.zoo import MODELS, PAPER_2022, Widths, build, model, style_codes, widths_of
 
 SMALL = NetworkSettings(
     experts=3, units=16, gating_units=8, generator=GeneratorSettings(frames=16, filters=4, kernel=3, hidden=8)
@@ -116,12 +116,12 @@ def test_lpn_film_is_the_class_whose_weights_are_kept(bundle):
 
 def test_codes_of_one_hot_and_adapters_are_weights_over_styles():
     for name in ("lpn-onehot", "pfnn-resad"):
-        assert torch.equal(style_codes(built(name)), torch.eye(STYLES))
+        assert torch.equal(style_codes(built(name), STYLES), torch.eye(STYLES))
     assert all(name in MODELS for name in PAPER_2022)
 
 
 def test_manns_gate_input_are_the_velocities_of_hands_and_feet(bundle):
-    body, columns = bundle.body, velocity_columns(bundle.body)
+    body, columns = bundle.body, bundle.body.layout.x_velocities
     x = np.zeros(body.layout.inputs)
     joints = x[body.layout.x_pose].reshape(-1, 4, 3)
     hands_and_toes = [body.joints.index(joint) for joint in body.skeleton.roles.effectors]

@@ -7,8 +7,9 @@ import pytest
 import tiny_walker as tiny
 import torch
 
+from stylephase.features.store import for_gate
 from stylephase.motion.root import root_of
-from stylephase.runtime.controller import RELEASE, Controller, ControllerSettings, State, input_of
+from stylephase.runtime.controller import RELEASE, Controller, ControllerSettings, State, input_of, start_state
 from stylephase.runtime.trajectory import Steering
 
 ARRAYS = [field.name for field in fields(State) if field.name != "path"]
@@ -105,6 +106,24 @@ class TestStep:
             how = ControllerSettings(phase_share=share)
             after = Controller(tiny.knowing(y), tiny.codes(1), how).step(before, steering(1))
             np.testing.assert_allclose(after.phases, share * 2 + (1 - share) * (before.phases + 0.1), atol=1e-9)
+
+    @pytest.mark.parametrize("model", ["pfnn-film", "mann-film"])
+    def test_other_gates_see_the_global_phase_or_the_velocities_of_hands_and_feet(self, model):
+        """The phase moves on by its predicted update, past a whole turn; velocities are those of the last pose."""
+        bundle = tiny.of_model(model)
+        made, seen = for_gate(tiny.style_vectors(), bundle.layout), []
+        state = start_state(made.x[[200]], made.p[[200]], bundle.layout)
+        y = made.y[[200]].copy()
+        y[:, bundle.layout.y_phase_updates] = 6.0
+
+        def fast(x, p, code):
+            seen.append(p)
+            return y
+
+        after = Controller(bundle, tiny.codes(1), ControllerSettings(), fast).step(state, steering(1))
+        np.testing.assert_allclose(seen[0], made.p[[200]], atol=1e-6)
+        moved = (made.p[[200]] + 6.0) % (2 * np.pi) if model == "pfnn-film" else made.p[[200]]
+        np.testing.assert_allclose(after.phases, moved, atol=1e-6)
 
     def test_axes_that_are_none_come_out_as_rotations(self):
         """An untrained network's forward and up are neither of unit length nor at right angles."""

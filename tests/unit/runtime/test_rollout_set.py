@@ -96,8 +96,8 @@ def _halves(bundle: Bundle, run: Rollout, k: int, style: str) -> StyleVectors:
     silent, lifted = np.zeros((len(clip), 8)), np.zeros((len(clip), 2), dtype=bool)
     made = vectors(forward_kinematics(clip), body.skeleton, body.rest, FPS, silent, lifted)
     part = np.repeat([PARTS.index("train"), PARTS.index("test")], [len(made.x) // 2, len(made.x) - len(made.x) // 2])
-    take = np.zeros(len(part), dtype=int)
-    return StyleVectors(style, False, ("FW",), made.x, made.p, made.y, take, part)
+    take, phase = np.zeros(len(part), dtype=int), np.zeros(len(part))
+    return StyleVectors(style, False, ("FW",), made.x, made.p, made.y, phase, phase, take, part)
 
 
 def test_the_second_half_of_a_walk_is_told_by_the_first(here):

@@ -11,7 +11,8 @@ from stylephase.data.split import PARTS
 from stylephase.features.normaliser import normaliser_of
 from stylephase.features.store import StyleVectors
 from stylephase.models.generator import FilmGenerator
-from stylephase.training.codes import CLIPS_PER_CODE, clip_codes, style_code
+from stylephase.models.synthesis import StyledNetwork
+from stylephase.training.codes import CLIPS_PER_CODE, clip_codes, stored_codes
 from stylephase.training.sampler import Scaling
 
 LAYOUT = tiny.BODY.layout
@@ -85,7 +86,8 @@ def test_test_clips_are_used_where_they_are_asked_for(generator):
 
 def test_a_stored_code_is_the_mean_of_the_clips_codes_without_dropout(generator):
     vectors = style("walk")
-    code = style_code(generator, vectors, scaling(vectors))
+    network = StyledNetwork(tiny.trainer().network.synthesis, generator)
+    code = stored_codes(network, [vectors], scaling(vectors))[vectors.style]
     assert code.shape == (64,) and not generator.training and not code.requires_grad
     torch.testing.assert_close(code, clip_codes(generator, vectors, scaling(vectors)).mean(dim=0))
-    assert torch.equal(code, style_code(generator, vectors, scaling(vectors)))
+    assert torch.equal(code, stored_codes(network, [vectors], scaling(vectors))[vectors.style])

@@ -15,6 +15,7 @@ import torch
 from stylephase import files
 from stylephase.errors import InputError
 from stylephase.models.bundle import is_bundle, load_bundle
+from stylephase.models.zoo import MODELS
 from stylephase.training import checkpoint
 from stylephase.training.loop import Trainer
 
@@ -56,6 +57,18 @@ def test_the_errors_go_down_and_the_style_codes_come_to_matter(tmp_path):
     first, last = run.log[0], run.log[-1]
     assert last["mse"] < 0.8 * first["mse"] and last["validation_mse"] < 0.6 * first["validation_mse"]
     assert last["wrong_code_factor"] > 1.02
+
+
+@pytest.mark.parametrize("model", sorted(MODELS))
+def test_every_model_learns_and_an_interrupted_run_of_it_ends_as_a_whole_one(tmp_path, model):
+    how = {"model": model, "steps": 60, "log_every": 20}
+    whole = tiny.trainer(**how).run(tmp_path / "whole", tiny.ignore)
+    first, *_, last = (entry["validation_mse"] for entry in tiny.read_log(tmp_path / "whole"))
+    assert last < 0.98 * first
+    interrupted(tmp_path / "part", 16, **how)
+    again = resumed(tmp_path / "part", **how).run(tmp_path / "part", tiny.ignore)
+    assert tiny.same(tiny.weights(whole), tiny.weights(again))
+    assert tiny.same(tiny.weights(whole), tiny.weights(load_bundle(tmp_path / "whole")))
 
 
 @pytest.mark.parametrize("mixed", [False, True])

@@ -16,7 +16,7 @@ LENGTHS = BoneLengths(LAYOUT.y_pose, (0, 1), (1, 2))
 
 
 def scaling(mean: float, std: float) -> Scaling:
-    widths = (LAYOUT.inputs, LAYOUT.phases, LAYOUT.outputs)
+    widths = (LAYOUT.inputs, LAYOUT.gate_inputs, LAYOUT.outputs)
     return Scaling(Normaliser(*(np.full(width, value) for width in widths for value in (mean, std))), LAYOUT)
 
 

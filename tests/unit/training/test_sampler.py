@@ -16,7 +16,7 @@ _KEPT, _TURNED = LAYOUT.x_pose.start + 1, LAYOUT.x_pose.start
 
 
 def normaliser(mean: float = 0.0, std: float = 1.0) -> Normaliser:
-    widths = (LAYOUT.inputs, LAYOUT.phases, LAYOUT.outputs)
+    widths = (LAYOUT.inputs, LAYOUT.gate_inputs, LAYOUT.outputs)
     return Normaliser(*(np.full(width, value) for width in widths for value in (mean, std)))
 
 
@@ -28,7 +28,7 @@ def numbered(style: str, first: int, rows: int, *, symmetric: bool, train: float
     x[:, _KEPT] = p[:, 0] = p[:, 2] = y[:, LAYOUT.y_pose.start + 1] = np.arange(first, first + rows)
     y[:, LAYOUT.y_contacts] = (1, 2)
     part = np.where(np.arange(rows) < train * rows, PARTS.index("train"), PARTS.index("test"))
-    return StyleVectors(style, symmetric, ("FW",), x, p, y, np.zeros(rows, int), part)
+    return StyleVectors(style, symmetric, ("FW",), x, p, y, *np.zeros((2, rows), np.float32), np.zeros(rows, int), part)
 
 
 STYLES = [
@@ -128,7 +128,7 @@ def test_scaled_outputs_come_back_in_metres():
 
 def test_a_clip_is_scaled_as_the_pose_of_x():
     rng = np.random.default_rng(0)
-    widths = np.repeat((LAYOUT.inputs, LAYOUT.phases, LAYOUT.outputs), 2)
+    widths = np.repeat((LAYOUT.inputs, LAYOUT.gate_inputs, LAYOUT.outputs), 2)
     scaling = Scaling(Normaliser(*(rng.uniform(0.5, 2, width) for width in widths)), LAYOUT)
     x = torch.randn(4, LAYOUT.inputs, generator=torch.Generator().manual_seed(0))
     pose = x[:, LAYOUT.x_pose]
