@@ -17,11 +17,11 @@ Name = Annotated[str, typer.Argument(help="A data set's name, or own:FOLDER for 
 def ls(as_json: AsJson = False) -> None:
     """List the data sets: origin, licence, number of styles (once fetched), and where they would come from."""
     rows = [_row(dataset) for dataset in registry.datasets().values()]
-    lines = [f"{'name':14} {'origin':14} {'licence':26} {'styles':>6}  {'from':10} title"]
+    lines = [f"{'name':14} {'origin':22} {'licence':27} {'styles':>6}  {'from':10} title"]
     for row in rows:
         styles = "-" if row["styles"] is None else row["styles"]
         lines.append(
-            f"{row['name']:14} {row['origin']:14} {row['licence']:26} {styles:>6}  {row['from']:10} {row['title']}"
+            f"{row['name']:14} {row['origin']:22} {row['licence']:27} {styles:>6}  {row['from']:10} {row['title']}"
         )
     emit({"datasets": rows, "cache": archive.cache_folder()}, as_json=as_json, text="\n".join(lines))
 

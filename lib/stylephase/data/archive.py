@@ -10,14 +10,15 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
 from pathlib import Path, PurePosixPath
 
-from stylephase import motion
+import stylephase
 from stylephase.data.layouts import find_entries, hash_content
 from stylephase.data.registry import Archive, Dataset
 from stylephase.errors import InputError
 from stylephase.files import sha256
-from stylephase.motion import synthetic
 
 # Bounds against an archive that would fill the disk; the largest data set, 100STYLE, stays below a third of them.
 MAX_UNPACKED_BYTES = 16 * 2**30
@@ -40,13 +41,14 @@ def _pooch():
 def fetch(dataset: Dataset) -> Path:
     """The folder with the data set's files, unpacked into the cache at the first call.
 
-    Archives come from the folder named by STYLEPHASE_MIRROR before any download. Raises InputError: a hash that does
-    not match, an archive that is broken or unsafe, no place to take the data from. Then nothing is left unpacked.
+    Archives come from the folder named by STYLEPHASE_MIRROR before any download; some data are made here. Raises
+    InputError: a hash that does not match, an archive that is broken or unsafe, no place to take the data from. Then
+    nothing is left unpacked.
     """
     if dataset.layout == "own":
         return _own_folder(dataset)
-    if dataset.origin == "synthetic":
-        return _whole(_generated(dataset), lambda folder: synthetic.generate(folder, seed=0))
+    if dataset.generator is not None:
+        return _whole(_generated(dataset), partial(_generate, dataset.generator))
     archive = _choose(dataset)
     if archive is None:
         files = " or ".join(archive.file for archive in dataset.archives)
@@ -60,7 +62,7 @@ def where(dataset: Dataset) -> str:
     """Where `fetch` would take the data from: "folder", "cache", "generated", "mirror", "download" or "nowhere"."""
     if dataset.layout == "own":
         return "folder"
-    if dataset.origin == "synthetic":
+    if dataset.generator is not None:
         return "cache" if _generated(dataset).is_dir() else "generated"
     archive = _choose(dataset)
     if archive is None:
@@ -130,10 +132,16 @@ def _fill(folder: Path, fill: Callable[[Path], None]) -> None:
 
 
 def _generated(dataset: Dataset) -> Path:
-    """The walker's place in the cache; its name carries a hash of the source that makes it, so it is never stale."""
-    sources = sorted(Path(motion.__file__).parent.rglob("*.py"))
+    """The place in the cache of data made here; its name carries a hash of their sources, so it is never stale."""
+    library = Path(stylephase.__file__).parent
+    sources = [path for pattern in dataset.sources for path in sorted(library.glob(pattern))]
     key = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
     return cache_folder() / f"{dataset.name}-{key[:12]}"
+
+
+def _generate(generator: str, folder: Path) -> None:
+    """Let the module that the registry names fill the folder; it may stand on layers above this one."""
+    import_module(generator).generate(folder)
 
 
 def _unpack_verified(dataset: Dataset, archive: Archive, folder: Path) -> None:

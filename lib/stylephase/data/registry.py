@@ -40,7 +40,8 @@ class Dataset:
     `archives` are alternatives, best first; `fps` is the frame rate and `metres_per_unit` the unit of its files
     (None: each file's own, the unit guessed); `content` is the hash of its motion files where that is known;
     `contact_free` names the feet (LeftFoot, RightFoot) of a "style" or "style/gait" whose phase is not read from
-    contacts although they have some.
+    contacts although they have some. Data that are made here have a `generator`, a module of this library whose
+    `generate` fills a folder, and `sources`, patterns of the library's files that decide what it writes.
     """
 
     name: str
@@ -56,6 +57,8 @@ class Dataset:
     metres_per_unit: float | None = None
     content: str | None = None
     contact_free: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    generator: str | None = None
+    sources: tuple[str, ...] = ()
 
     def contact_free_feet(self, style: str, gait: str) -> tuple[str, ...]:
         """The feet of a style and gait that are marked as contact-free."""
@@ -81,6 +84,7 @@ def _registered() -> dict[str, dict]:
 def _dataset(name: str, entry: dict) -> Dataset:
     archives = tuple(Archive(**archive) for archive in entry.pop("archives", []))
     contact = ContactRule(**entry.pop("contact"))
+    entry["sources"] = tuple(entry.pop("sources", ()))
     contact_free = {style: tuple(feet) for style, feet in entry.pop("contact_free", {}).items()}
     return Dataset(name=name, archives=archives, contact=contact, contact_free=contact_free, **entry)
 

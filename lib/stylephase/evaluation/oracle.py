@@ -18,6 +18,7 @@ from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.features.vectors import vectors
 from stylephase.models.bundle import Bundle
+from stylephase.models.released import UNUSABLE
 from stylephase.motion.clip import forward_kinematics
 from stylephase.motion.contacts import ContactRule, slow_and_low
 from stylephase.phase.source import Movement
@@ -26,8 +27,6 @@ from stylephase.runtime.controller import RELEASE, Controller, State, start_stat
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import Tick, quiet
 
-# Styles that do not walk when steered forward from standing: one code is broken, three do not hop ([M22] release).
-UNUSABLE = ("Drunk", "LeftHop", "RightHop", "TwoFootJump")
 # The styles that a threshold may be chosen on; the others are reported.
 TUNED_ON = ("Neutral", "Zombie", "Swimming", "PendulumHands", "Proud")
 # The gain at which the release walks (m/s), the frames of a walk, and those of them that only settle.

@@ -29,7 +29,9 @@ _INPUTS, _PHASES, _OUTPUTS = 348, 8, 342
 _SETTINGS = NetworkSettings()
 _STATISTICS = {"x": ("X", _INPUTS), "p": ("GT_X", _PHASES), "y": ("Y", _OUTPUTS)}
 # Styles that the network was not trained on; their codes were found later.
-_LATER = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
+HELD_OUT = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
+# Styles that do not walk when steered forward from standing: one code is broken, three do not hop ([M22] release).
+UNUSABLE = ("Drunk", "LeftHop", "RightHop", "TwoFootJump")
 _NAME, _INSIDE = "lpn-release", "local-phases/animation-demo/Unity/Assets/Demo/Parameters/LPN"
 _CODE_PARTS = ("scale1", "shift1", "scale2", "shift2")
 
@@ -71,7 +73,7 @@ def fetch_released() -> Released:
 def style_names() -> tuple[str, ...]:
     """Names of the styles in the order of the release's codes."""
     names = sorted({entry.style for entry in published_entries()})
-    return (*(name for name in names if name not in _LATER), *_LATER)
+    return (*(name for name in names if name not in HELD_OUT), *HELD_OUT)
 
 
 def load_weights(weights: str) -> Bundle:

@@ -17,7 +17,9 @@ from stylephase.motion.clip import Clip
 from stylephase.motion.rotations import from_matrix
 from stylephase.motion.skeleton import Skeleton
 from stylephase.runtime.controller import Controller, ControllerSettings, State
+from stylephase.runtime.grounding import ground
 from stylephase.runtime.plans import Plan
+from stylephase.runtime.rig import rig_of
 
 # Called with the number of frames done.
 Tick = Callable[[int], object]
@@ -56,12 +58,19 @@ def roll_out(
     plan: Plan,
     settings: ControllerSettings | None = None,
     tick: Tick = quiet,
+    *,
+    grounded: bool = False,
 ) -> Rollout:
-    """Run the controller for some frames under a plan. What turns infinite stays so, for the caller to judge."""
+    """Run the controller for some frames under a plan. What turns infinite stays so, for the caller to judge.
+
+    With `grounded` each character moves as its standing foot lets it (grounding.py).
+    """
     controller = Controller(bundle, codes, settings or ControllerSettings())
-    state, states = start, []
+    state, states, slide, rig = start, [], None, rig_of(bundle.body) if grounded else None
     for frame in range(frames):
-        state = controller.step(state, plan(frame, state))
+        before, state = state, controller.step(state, plan(frame, state))
+        if rig is not None:
+            state, slide = ground(rig, before, state, slide)
         states.append(state)
         tick(1)
     roots = [s.path.root for s in states]

@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pooch
@@ -234,17 +235,28 @@ def test_an_archive_that_is_cut_off_is_refused(tmp_path, bandai_files, name, sha
 # Other sources
 
 
-def test_the_folder_of_the_synthetic_walker_changes_with_its_source(cache, monkeypatch, tmp_path):
+@pytest.mark.parametrize("name", ["synthetic", "lpn-rollouts"])
+def test_the_folder_of_data_made_here_changes_with_their_sources(name, cache, monkeypatch, tmp_path):
     """An edit of the generator must never be answered with motion of an earlier one."""
-    source = tmp_path / "motion"
-    source.mkdir()
-    (source / "__init__.py").write_text("one")
-    monkeypatch.setattr(archives.motion, "__file__", str(source / "__init__.py"))
-    monkeypatch.setattr(archives.synthetic, "generate", lambda folder, seed: (folder / "take.bvh").write_text("x"))
-    first = fetch(dataset("synthetic"))
-    assert (first / "take.bvh").read_text() == "x" and fetch(dataset("synthetic")) == first
-    (source / "__init__.py").write_text("two")
-    assert where(dataset("synthetic")) == "generated" and fetch(dataset("synthetic")) != first
+    source = tmp_path / "lib" / "motion" / "made.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("one")
+    monkeypatch.setattr(archives.stylephase, "__file__", str(tmp_path / "lib" / "__init__.py"))
+    maker = SimpleNamespace(generate=lambda folder: (folder / "take.bvh").write_text("x"))
+    asked = list[str]()
+    monkeypatch.setattr(archives, "import_module", lambda module: asked.append(module) or maker)
+    first = fetch(dataset(name))
+    assert (first / "take.bvh").read_text() == "x" and fetch(dataset(name)) == first
+    source.write_text("two")
+    assert where(dataset(name)) == "generated" and fetch(dataset(name)) != first
+    assert asked == [dataset(name).generator] * 2
+
+
+@pytest.mark.parametrize("name", ["synthetic", "lpn-rollouts"])
+def test_every_source_of_data_made_here_is_there(name, root):
+    """A file that was renamed would drop out of the key unnoticed."""
+    found = [list((root / "lib/stylephase").glob(pattern)) for pattern in dataset(name).sources]
+    assert found and all(found)
 
 
 def test_a_folder_of_ones_own_is_taken_as_it_is(tmp_path):

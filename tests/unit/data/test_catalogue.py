@@ -1,16 +1,17 @@
 """The catalogue: takes by style and gait, clips at 60 fps with one skeleton, and refusals that name the file."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stylephase.data import archive
 from stylephase.data.catalogue import Catalogue, cut_frames, load_catalogue, load_clip, load_clips, usable
 from stylephase.data.layouts import Entry
 from stylephase.data.registry import dataset
 from stylephase.errors import InputError
+from stylephase.motion import synthetic
 
 
 def test_takes_are_found_by_style_and_gait(small):
@@ -110,11 +111,8 @@ def test_a_take_is_usable_from_70_frames_on():
 
 def test_the_synthetic_walker_is_read_by_the_same_door(cache, monkeypatch):
     """One of its styles, generated short: cuts inside the files, one skeleton, flags from its own tables."""
-    whole = archive.synthetic.generate
-    names = [style.name for style in archive.synthetic.STYLES[:1]]
-    monkeypatch.setattr(
-        archive.synthetic, "generate", lambda folder, seed: whole(folder, seed=seed, styles=names, seconds=1.0)
-    )
+    names = [style.name for style in synthetic.STYLES[:1]]
+    monkeypatch.setattr(synthetic, "generate", partial(synthetic.generate, styles=names, seconds=1.0))
     catalogue = load_catalogue("synthetic")
     assert catalogue.styles == tuple(sorted(names)) and "ID" in catalogue.gaits
     for entry, clip in load_clips(catalogue):
