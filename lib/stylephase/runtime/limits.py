@@ -7,14 +7,14 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.runtime.controller import State
-from stylephase.runtime.plans import Plan
+from stylephase.runtime.plans import OnPath, Plan
 from stylephase.runtime.trajectory import Steering, Trajectory, on_ground
 
 # No person runs faster (m/s); a wish, which is a speed times a gain, may be so much.
 FASTEST, MOST_WISH = 10.0, 25.0
 
 
-def limited(steering: Steering, state: State) -> Steering:
+def limited(steering: Steering, state: OnPath) -> Steering:
     """The same wishes where they are ordinary ones.
 
     A velocity that is no number counts as none, one above `MOST_WISH` keeps its direction and has that length; a

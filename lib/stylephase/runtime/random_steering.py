@@ -9,8 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.features.layout import FPS
-from stylephase.runtime.controller import State
-from stylephase.runtime.plans import heading
+from stylephase.runtime.plans import OnPath, heading
 from stylephase.runtime.trajectory import Steering
 
 # A wish holds for so many seconds, and the next one takes over within this time.
@@ -45,7 +44,7 @@ class RandomSteering:
         drawn = [_wishes(gait, frames, np.random.default_rng([seed, _number(f"{n}/{gait.name}")])) for n in names]
         self.velocities, self.turns = (np.stack(part, axis=1) for part in zip(*drawn, strict=True))
 
-    def __call__(self, frame: int, state: State) -> Steering:
+    def __call__(self, frame: int, state: OnPath) -> Steering:
         """What is wanted at a frame."""
         facing = state.path.root.angles
         left, ahead = self.velocities[frame].T
