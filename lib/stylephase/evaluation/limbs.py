@@ -26,3 +26,8 @@ def seen_from(
 def hand_paths(poses: Float[ndarray, "frames pose"], layout: Layout) -> Float[ndarray, "frames 2 3"]:
     """Places (m) of the left and the right hand in the frame of the hips, which phases are read in ([M22] 4.1.3)."""
     return seen_from(poses, 0, layout.effectors[:2])
+
+
+def foot_paths(poses: Float[ndarray, "frames pose"], layout: Layout) -> Float[ndarray, "frames 2 3"]:
+    """Places (m) of the left and the right toe in the frame of the hips."""
+    return seen_from(poses, 0, layout.effectors[2:])
