@@ -113,8 +113,8 @@ for name, parts in PARTS.items():
 save("", model_plots.error_bars(panels), "Bars of squared error and bone length error of the seven models.")
 
 # %% [markdown]
-# What to look for: the blue bars (FiLM) against grey (one-hot) and orange (adapters), and how far a ring lies from its
-# bar. `hold` keeps the pose, so its bones have the right length; `ridge` is one linear regression for all styles.
+# What to look for: the blue bars (FiLM) against grey (one-hot) and warm colours (adapters), and how far a ring is from
+# its bar. `hold` keeps the pose, so its bones have the right length; `ridge` is one linear regression for all styles.
 
 # %%
 totals = {model: error_table(group) for model, group in groups.items()}
@@ -269,8 +269,9 @@ table(("flaw", *groups, "correlation with the error", "by chance"), rows)
 
 # %%
 x = dict(zip(groups, own.mean(axis=1), strict=True))
-points = {flaw: dict(zip(groups, np.nanmean(walks[flaw], axis=1), strict=True)) for flaw in walks}
-notes = {flaw: "all alike" if np.isnan(e.value) else f"rank correlation {e.value:.2f}" for flaw, e in quality.items()}
+varying = [flaw for flaw, e in quality.items() if np.isfinite(e.value)]
+points = {flaw: dict(zip(groups, np.nanmean(walks[flaw], axis=1), strict=True)) for flaw in varying}
+notes = {flaw: f"rank correlation {quality[flaw].value:.2f}" for flaw in varying}
 axes = model_plots.against(x, points, x_is="error of one step", notes=notes, columns=3)
 save("-quality", axes, "Flaws of rollouts against one-step error, a point for each model.")
 

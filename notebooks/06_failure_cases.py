@@ -39,7 +39,7 @@ from stylephase.data.catalogue import load_catalogue
 from stylephase.evaluation.collars import most_unusual
 from stylephase.evaluation.comparison import difference
 from stylephase.evaluation.contact_based import ContactBasedStore, train_contact_based, untouched
-from stylephase.evaluation.feet import foot_use
+from stylephase.evaluation.feet import FootUse, foot_use
 from stylephase.evaluation.hands import hands_of, spread, tied
 from stylephase.evaluation.limbs import foot_paths, hand_paths
 from stylephase.evaluation.quality import flaws
@@ -303,7 +303,7 @@ def feet_row(name: str, style: str, of: str, use) -> tuple:
     return name, style, of, contact, rate, f"{100 * use.raised:+.1f}"
 
 
-used: dict = {}
+used: dict[tuple[str, str, str], FootUse] = {}
 for case in cases:
     for style in hops(case):
         used[case.name, style, "data"] = foot_use(case.data.walks[style], case.data.body.layout)
