@@ -20,6 +20,10 @@ from stylephase.features.layout import CLIP_FRAMES, CLIP_STRIDE, FPS, Layout
 # Frequencies at which hands swing (Hz), half the width of a band as a share of its frequency, length of the transform.
 _SWINGS, _BAND, _TRANSFORM = (0.3, 4.0), 0.12, 8192
 _HARMONICS = 2
+# Long enough to tell the frequency of slow steps from another.
+_LONG = 2 * CLIP_FRAMES
+# A hand that moves half as far as it should is not stuck, however little recorded hands vary.
+_HALF = 0.5
 _RARE = 0.025
 
 Path = Float[ndarray, "frames 2 3"]
@@ -55,20 +59,20 @@ def least_spread(paths: Sequence[Path]) -> Float[ndarray, "2"]:
 
 
 def stuck_below(ratios: Float[ndarray, "styles 2"]) -> float:
-    """The ratio below which a hand is stuck: recorded hands fall below it in one case of forty, by chance."""
-    return float(np.quantile(ratios, _RARE))
+    """The ratio below which a hand is stuck: one half, or less where more than one recorded hand of forty is below."""
+    return min(_HALF, float(np.quantile(ratios, _RARE)))
 
 
 def tied(paths: Sequence[Path], phases: Sequence[Float[ndarray, " frames"]]) -> float:
     """The share of both hands' movement that follows from the global phase (rad): 1 where they swing with the steps.
 
-    By regression on the phase's first two harmonics, in windows of four seconds, less what as many numbers explain by
+    By regression on the phase's first two harmonics, in windows of eight seconds, less what as many numbers explain by
     chance. Hands without a global phase give about 0.
     """
     left, whole, frames, numbers = 0.0, 0.0, 0, 0
     for path, phase in zip(paths, phases, strict=True):
-        for start in range(0, max(len(path) - CLIP_FRAMES, 0) + 1, CLIP_FRAMES):
-            part, at = path[start : start + CLIP_FRAMES].reshape(-1, 6), phase[start : start + CLIP_FRAMES]
+        for start in range(0, max(len(path) - _LONG, 0) + 1, _LONG):
+            part, at = path[start : start + _LONG].reshape(-1, 6), phase[start : start + _LONG]
             basis = np.stack([f(k * at) for k in range(1, _HARMONICS + 1) for f in (np.sin, np.cos)], axis=1)
             basis = np.column_stack([np.ones(len(at)), basis])
             rest = part - basis @ np.linalg.lstsq(basis, part, rcond=None)[0]

@@ -14,6 +14,8 @@ from stylephase.report import palette, plots
 _WIDTH = 7.2
 # Vertical room that the points of one model take.
 _SCATTER = 0.28
+# Ratios are shown up to this one.
+_FURTHEST = 2.5
 
 
 @dataclass(frozen=True)
@@ -73,13 +75,19 @@ def against(
 def ratios(
     values: Mapping[str, Float[ndarray, " cases"]], *, quantity: str, marks: Sequence[tuple[float, str]], seed: int = 0
 ) -> Axes:
-    """A row of points for each model, one for each case, and vertical lines with names."""
+    """A row of points for each model, one for each case, a bar at the median, and vertical lines with names.
+
+    Cases above 2.5 are drawn there as arrowheads.
+    """
     rng = np.random.default_rng(seed)
     with plots.style():
         axes = Figure(figsize=(_WIDTH, 0.42 * len(values) + 1.2)).subplots()
         for row, (model, cases) in enumerate(values.items()):
             heights = row + rng.uniform(-_SCATTER, _SCATTER, len(cases))
-            axes.plot(cases, heights, "o", color=palette.colour_of(model), alpha=0.7, markersize=5, markeredgewidth=0)
+            look = {"color": palette.colour_of(model), "alpha": 0.7, "markersize": 5, "markeredgewidth": 0}
+            beyond = cases > _FURTHEST
+            axes.plot(cases[~beyond], heights[~beyond], "o", **look)
+            axes.plot(np.full(beyond.sum(), _FURTHEST), heights[beyond], ">", **look)
             axes.plot([np.median(cases)] * 2, [row - 0.4, row + 0.4], color=palette.INK, linewidth=1.6)
         for k, (at, name) in enumerate(marks):
             dashes = (":", "--")[k % 2]

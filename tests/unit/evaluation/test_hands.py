@@ -100,7 +100,8 @@ def test_halves_of_an_even_swing_agree_and_of_one_that_stops_do_not():
     stops = even.copy()
     stops[len(stops) // 2 :] = stops[0]
     assert half_ratios([even]).min() > 0.95 and half_ratios([stops]).max() < 0.05
-    assert stuck_below(np.tile(half_ratios([even]), (9, 1))) > 0.95
+    assert stuck_below(np.tile(half_ratios([even]), (9, 1))) == 0.5
+    assert stuck_below(np.tile(half_ratios([stops]), (9, 1))) < 0.05
     np.testing.assert_allclose(least_spread([even, even / 2]), spread(even) / 2)
 
 
