@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from stylephase.errors import InputError
 from stylephase.evaluation.collars import CollarJoints, Collars, collar_joints, collars_of
 from stylephase.evaluation.hands import Hands, half_ratios, hands_of, least_spread, stuck_below
 from stylephase.evaluation.limbs import hand_paths
@@ -78,8 +79,11 @@ class Recorded:
         return collars_of(np.concatenate([walk.poses for walk in walks]), self.collar_joints)
 
     def style(self, name: str) -> StyleVectors:
-        """The vectors of one style."""
-        return next(style for style in self.styles if style.style == name)
+        """The vectors of one style; raises InputError where it is not among them."""
+        for style in self.styles:
+            if style.style == name:
+                return style
+        raise InputError(f"no recorded walks of {name}")
 
 
 @dataclass(frozen=True)
