@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from stylephase.models.zoo import PAPER_2022
+
 # Stands for `stylephase` and for the runner of notebooks: notes the call and writes what the call promises.
 _NOTING = """#!{python}
 import pathlib, sys, time
@@ -33,6 +35,7 @@ else:
     print('{{"frames_by_style": {{"Old": 3, "Very old": 4}}}}')
 """
 _AFTER_TRAINING = ["evaluate", "notebook 00_scorecard", "notebook 04_training"]
+_ONE = ("models=lpn-film",)
 _NOTEBOOKS = ("00_scorecard", "01_data_and_skeleton", "04_training")
 
 
@@ -52,17 +55,18 @@ def tree(root, tmp_path) -> Path:
     return tmp_path
 
 
-def _start(tree: Path) -> subprocess.Popen[str]:
+def _start(tree: Path, *config: str) -> subprocess.Popen[str]:
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "2", "--nolock", "--rerun-incomplete"]
+    snakemake += ["--config", *config] if config else []
     environment = {**os.environ, "PATH": f"{tree / 'bin'}:{os.environ['PATH']}", "XDG_CACHE_HOME": str(tree / "cache")}
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     return subprocess.Popen(snakemake, cwd=tree, env=environment, start_new_session=True, **streams)
 
 
-def _run(tree: Path) -> list[str]:
-    """The calls of one complete run, sorted."""
+def _run(tree: Path, *config: str) -> list[str]:
+    """The calls of one complete run, sorted; of one model unless `config` names others."""
     (tree / "calls").unlink(missing_ok=True)
-    with _start(tree) as process:
+    with _start(tree, *(config or _ONE)) as process:
         out, _ = process.communicate(timeout=200)
     assert process.returncode == 0, out
     return sorted((tree / "calls").read_text().splitlines()) if (tree / "calls").exists() else []
@@ -76,11 +80,17 @@ def test_a_second_run_redoes_only_what_changed(tree):
     assert _run(tree) == sorted(["train", *others]), "a change of code must not resume the old run"
 
 
+def test_all_seven_models_are_trained_unless_told_otherwise(tree):
+    (tree / "notebooks/05_test_error.py").write_text("it compares them")
+    calls = _run(tree, "preset=quick")
+    assert calls.count("train") == calls.count("evaluate") == len(PAPER_2022) == 7
+
+
 def test_an_interrupted_run_goes_on(tree):
     """Killed in the middle of the training: what came before is not repeated, and the training resumes."""
     slow = tree / "slow"
     slow.touch()
-    with _start(tree) as process:
+    with _start(tree, *_ONE) as process:
         while slow.exists() and process.poll() is None:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGKILL)

@@ -44,6 +44,15 @@ def test_rows(style: StyleVectors, part: str = "test") -> Int[ndarray, " rows"]:
     return rows[np.unique(np.linspace(0, len(rows) - 1, min(FRAMES, len(rows))).astype(int))] if len(rows) else rows
 
 
+def distance_to_training(style: StyleVectors, part: str = "test") -> float:
+    """Frames between a tested row and the nearest training row of its take; infinite where no take has both."""
+    tested, trained, least = test_rows(style, part), style.rows("train"), np.inf
+    for take in np.intersect1d(style.take[tested], style.take[trained]):
+        one, other = tested[style.take[tested] == take], trained[style.take[trained] == take]
+        least = min(least, float(np.abs(one[:, None] - other).min()))
+    return least
+
+
 def error_of(predictor: Predictor, style: StyleVectors, bundle: Bundle, lengths: BoneLengths, part: str) -> Error:
     """Error of a predictor on one style."""
     rows = test_rows(style, part)

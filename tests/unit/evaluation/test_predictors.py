@@ -148,6 +148,14 @@ class TestRows:
         rows = module.test_rows(self.style(5000))
         assert rows[0] == 50 and rows[-1] == 5049 and np.diff(rows).max() <= 6
 
+    def test_the_distance_to_training_frames_is_within_a_take(self):
+        style = self.style(10)
+        assert module.distance_to_training(style) == 1
+        guarded = replace(style, part=np.where(np.arange(60) < 55, style.part * 0 - 1, style.part))
+        guarded.part[:50] = 0
+        assert module.distance_to_training(guarded) == 6
+        assert module.distance_to_training(replace(style, take=style.part)) == np.inf
+
 
 class TestErrors:
     def test_a_predictor_that_is_right_has_no_error_and_bones_are_in_metres(self, bundle, styles):

@@ -1,0 +1,104 @@
+"""Trained runs in a folder, by their names: `<data set>-<preset>-<model>[-<variant>]-seed<number>`."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from safetensors import safe_open
+
+from stylephase.errors import InputError
+from stylephase.files import read_json
+from stylephase.models.zoo import PAPER_2022
+
+_EVALUATION, _LOG, _MODEL = "evaluation.json", "log.json", "model.json"
+_WEIGHTS = "weights.safetensors"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One evaluated run: its model and seed, and what its `variant` changes, "" for nothing."""
+
+    folder: Path
+    model: str
+    variant: str
+    seed: int
+
+    @property
+    def evaluation(self) -> dict[str, Any]:
+        """What `stylephase evaluate` found."""
+        return read_json(self.folder / _EVALUATION)
+
+    @property
+    def log(self) -> list[dict[str, Any]]:
+        """Errors over the steps of the training."""
+        return read_json(self.folder / _LOG)
+
+    @property
+    def input_rate(self) -> float:
+        """Dropout of the input in training."""
+        return float(read_json(self.folder / _MODEL)["settings"]["input_rate"])
+
+    @property
+    def parameters(self) -> int:
+        """Numbers that were trained: of the network and, where it has one, of its style generator."""
+        with safe_open(self.folder / _WEIGHTS, framework="np") as stored:
+            names = [name for name in stored.keys() if name.startswith("network.")]  # noqa: SIM118
+            return sum(math.prod(stored.get_slice(name).get_shape()) for name in names)
+
+    @property
+    def file(self) -> Path:
+        """The file that its numbers rest on."""
+        return self.folder / _EVALUATION
+
+
+def find_runs(folder: Path, dataset: str, preset: str) -> list[Run]:
+    """All evaluated runs of the seven models on a data set with a preset, in the order of [M22] Table 2, then by seed.
+
+    A run without `evaluation.json` is not there yet.
+    """
+    name = dataset.replace(":", "-").replace("/", "-")
+    models = "|".join(PAPER_2022)
+    pattern = re.compile(rf"{re.escape(name)}-{re.escape(preset)}-({models})(?:-([a-z0-9]+))?-seed(\d+)")
+    matches = [(path.parent, pattern.fullmatch(path.parent.name)) for path in folder.glob(f"*/{_EVALUATION}")]
+    found = [Run(path, match[1], match[2] or "", int(match[3])) for path, match in matches if match]
+    order = list(PAPER_2022)
+    return sorted(found, key=lambda run: (order.index(run.model), run.variant, run.seed))
+
+
+def by_model(runs: Sequence[Run]) -> dict[str, list[Run]]:
+    """Runs without a variant, by model."""
+    models = dict.fromkeys(run.model for run in runs if not run.variant)
+    return {model: [run for run in runs if run.model == model and not run.variant] for model in models}
+
+
+def error_table(
+    runs: Sequence[Run], predictor: str = "network", parts: Sequence[str] = ("shared", "bll")
+) -> Float[ndarray, "seeds styles"]:
+    """The sum of some parts of a predictor's test error, for each run and each style that has test frames.
+
+    By default what models can be compared by: the squared error of the outputs that all have, plus the error of bone
+    lengths in metres ([M22] Eq. 5). Raises InputError where an evaluation lacks a part.
+    """
+    rows = []
+    for run in runs:
+        errors = run.evaluation["errors"]
+        try:
+            rows.append([sum(error[predictor][part] for part in parts) for error in errors.values()])
+        except KeyError as missing:
+            raise InputError(f"lacks {missing}; evaluate the run again", run.file) from missing
+    return np.array(rows).reshape(len(rows), -1)
+
+
+def common_styles(runs: Sequence[Run]) -> tuple[str, ...]:
+    """The styles with test frames, which all runs must share; raises InputError where they differ."""
+    styles = [tuple(run.evaluation["errors"]) for run in runs]
+    for run, own in zip(runs, styles, strict=True):
+        if own != styles[0]:
+            raise InputError("was tested on other styles than the first run", run.file)
+    return styles[0]
