@@ -5,7 +5,7 @@ line between the walks of the two pure styles.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -15,8 +15,9 @@ from torch import Tensor
 
 from stylephase.evaluation.motion import foot_skate
 from stylephase.evaluation.rollouts import SETTLE, local_poses, start_of
-from stylephase.evaluation.style import StyleSpace
+from stylephase.evaluation.style import StyleSpace, space_of, statistics
 from stylephase.features.body import Body
+from stylephase.features.layout import CLIP_FRAMES, CLIP_STRIDE
 from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import Bundle
 from stylephase.runtime.controller import State
@@ -70,6 +71,11 @@ class Blend:
             return 0.0
         before, after = self.along[k - 1 : k + 1]
         return float(np.interp(0.5, [before, after], self.shares[k - 1 : k + 1]))
+
+    def reversed(self) -> "Blend":
+        """The same from the second style to the first."""
+        turned = {"along": 1 - self.along[::-1], "aside": self.aside[::-1], "skate": self.skate[::-1]}
+        return replace(self, shares=1 - self.shares[::-1], **turned)
 
     @property
     def more_skate(self) -> float:
@@ -140,6 +146,16 @@ def walks_of(
         places[k] = space.place(local_poses(run, k)[settle:])
         skates[k] = foot_skate(run.positions[settle:, k][:, toes], run.contacts[settle:, k] > _CONTACT)
     return places, skates
+
+
+def space_of_walks(run: Rollout, names: Sequence[str], settle: int = SETTLE) -> StyleSpace:
+    """A style space of generated walks, for weights whose data are not at hand; windows as long as a style clip."""
+    groups = {}
+    for k, name in enumerate(names):
+        poses = local_poses(run, k)[settle:]
+        windows = [poses[at : at + CLIP_FRAMES] for at in range(0, len(poses) - CLIP_FRAMES + 1, CLIP_STRIDE)]
+        groups[name] = np.array([statistics(window) for window in windows])
+    return space_of(groups)
 
 
 def disagreement(one: Sequence[Blend], other: Sequence[Blend]) -> float:

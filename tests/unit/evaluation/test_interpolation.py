@@ -18,6 +18,7 @@ from stylephase.evaluation.interpolation import (
     clearance,
     disagreement,
     mean_over_pairs,
+    space_of_walks,
     starts,
     triangle,
 )
@@ -82,6 +83,14 @@ def test_slide_beyond_that_of_the_pure_styles():
     assert replace(made(SHARES), skate=skate).more_skate == pytest.approx(0.05)
 
 
+def test_the_way_back_is_the_same_way():
+    blend = replace(made(SHARES**3), skate=SHARES)
+    back = blend.reversed()
+    np.testing.assert_allclose(back.shares, SHARES, atol=1e-12)
+    assert back.halfway == pytest.approx(1 - blend.halfway) and back.off_line == pytest.approx(blend.off_line)
+    np.testing.assert_allclose(back.reversed().along, blend.along)
+
+
 def test_codes_and_gains_are_mixed_pair_after_pair():
     bundle = tiny.bundle()
     codes = blended_codes(bundle, [("Plain", "Old"), ("Old", "Very old")])
@@ -127,6 +136,14 @@ def test_a_character_that_broke_off_has_no_blend(mixed):
     broken = run.positions.copy()
     broken[-1, 4] = np.inf
     assert blends_of([run, replace(run, positions=broken)], tiny.BODY, space, settle=60) == [None]
+
+
+def test_walks_of_their_own_make_a_space_too(mixed):
+    run, _ = mixed
+    space = space_of_walks(run, [f"{share:.1f}" for share in SHARES], settle=0)
+    assert space.styles[0] == "0.0" and len(space.centres) == 11
+    blend = blends_of([run], tiny.BODY, space, settle=60)[0]
+    assert blend is not None and blend.monotonicity > 0.95
 
 
 def test_blends_that_depend_on_their_start_disagree():
