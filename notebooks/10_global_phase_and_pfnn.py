@@ -33,9 +33,15 @@ from stylephase.evaluation.labels import (
     stance_shares,
     steady_phase,
 )
+from stylephase.models import holden
+from stylephase.models.released_pfnn import load_pfnn
 from stylephase.models.spline import POINTS, catmull_rom
+from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.zoo import WIDTHS_2018, build_synthesis
+from stylephase.motion.bvh import read_bvh
 from stylephase.motion.clip import forward_kinematics, velocities
 from stylephase.motion.contacts import ContactRule, foot_contacts
+from stylephase.motion.root import root_of
 from stylephase.motion.synthetic import STYLES, find_style, walk
 from stylephase.phase.circular import distance
 from stylephase.phase.global_phase import fitted_phase, global_phase
@@ -413,10 +419,92 @@ shown
 # What to look for: the automatic phase lies about as far from either set of labels as these lie from each other.
 # Nothing is to be won by cleaning it further, as far as these labels can tell.
 #
+# ## Fig. 2: the network
+#
+# > Three layers, every weight a function of the phase ([M18] Fig. 2).
+#
+# The same by hand: Equation 1 blends the weights of a row's phase, which are then an ordinary network. At a phase a
+# tenth of a cycle further the outputs must be others, or the check would pass a network that does not heed the phase.
+
+
+# %%
+def elu(h: np.ndarray) -> np.ndarray:
+    return np.where(h > 0, h, np.expm1(np.minimum(h, 0)))
+
+
+def by_hand(h: np.ndarray, phase: float) -> np.ndarray:
+    for k, layer in enumerate(network.layers):
+        weight, bias = (equation_1(phase, getattr(layer, part).detach().numpy()) for part in ("weight", "bias"))
+        h = h @ weight + bias
+        h = elu(h) if k < 2 else h
+    return h
+
+
+torch.manual_seed(0)
+network = build_synthesis("pfnn", WIDTHS_2018, 0, NetworkSettings()).double().eval()
+for layer in network.layers:
+    torch.nn.init.normal_(layer.bias)
+frame, phase = torch.randn(5, WIDTHS_2018.inputs).double(), TURN * torch.rand(5, 1).double()
+ours = network(frame, phase, torch.zeros(5, 0)).detach().numpy()
+hand = np.stack([by_hand(frame[r].numpy(), float(phase[r, 0])) for r in range(5)])
+late = np.stack([by_hand(frame[r].numpy(), float(phase[r, 0]) + TURN / 10) for r in range(5)])
+fig2_off, fig2_null = float(np.abs(ours - hand).max()), float(np.abs(ours - late).max())
+assert fig2_off < 1e-10 and fig2_null > 0.1
+shapes = [tuple(layer.weight.shape[1:]) for layer in network.layers]
+Markdown(f"layers {shapes}; largest difference {fig2_off:.1e}, a tenth of a cycle later {fig2_null:.2f}")
+
+# %% [markdown]
+# ## 5.1 The vectors
+#
+# > 12 points of the trajectory, one in ten frames, and 31 joints make 234 values; 400 come out ([M18] 5.1).
+#
+# From the parts: a place and a facing for each point, position and velocity for each joint; out come the six points
+# from the present on, position, velocity and two axes for each joint, the change of phase, and the root's step and
+# turn. With both ends, from 60 frames before to 60 after, there would be 13 points and 238 values. The released
+# network of 2017 has the same points: near the root, neighbouring mean places lie as far apart as the root's mean
+# step takes it in ten frames.
+
+# %%
+points, ahead = len(holden.SAMPLES), len(holden.FUTURE_SAMPLES)
+spacing, balance, shown = None, {}, LEFT_OUT
+
+
+def turned(path) -> tuple[float, float]:
+    """How far a take turns (degrees to the left), and how long it lasts (s)."""
+    clip = read_bvh(path, metres_per_unit=catalogue.dataset.metres_per_unit)
+    angles = root_of(forward_kinematics(clip), clip.skeleton).angles
+    return float(np.degrees(angles[-1] - angles[0])), len(clip) / clip.fps
+
+
+if labelled:
+    released = load_pfnn(weights)
+    depth = released.x_mean[holden.X_PLACES][points:]
+    around = np.diff(depth)[[points // 2 - 1, points // 2]] / released.y_mean[holden.Y_STEP][1]
+    spacing = float(around.mean())
+    joints = sum(not site for site in load_clip(catalogue.entries[0], catalogue.dataset).skeleton.sites)
+    inputs, outputs = 4 * points + 6 * joints, 4 * ahead + 12 * joints + 1 + 3
+    alone = [turned(entry.path) for entry in catalogue.entries]
+    copies = [turned(entry.path.with_name(f"{entry.path.stem}_mirror.bvh")) for entry in catalogue.entries]
+    for what, of in (("the takes", alone), ("takes and mirrored copies", alone + copies)):
+        balance[what] = sum(angle for angle, _ in of) / sum(seconds for _, seconds in of)
+    lean = float(released.y_mean[holden.Y_TURN] / released.y_std[holden.Y_TURN])
+    shown = table(
+        ("what", "value"),
+        ("values in, values out", f"{inputs}, {outputs}"),
+        ("frames between neighbouring points of the released network", f"{spacing:.2f}"),
+        *((f"mean turn of {what} (degrees/s, to the left)", f"{value:.2f}") for what, value in balance.items()),
+        ("mean turn over its deviation, released network's data", f"{lean:.4f}"),
+    )
+shown
+
+# %% [markdown]
+# What to look for: the takes turn to the left, with their copies to neither side, and the mean turn of what the
+# released network was trained on is a thousandth of its deviation, so that was mirrored as well.
+#
 # ## What was recorded
 #
-# The takes of the paper were never published, so what it says of their number and length needs them. Features, the
-# normaliser and the network itself are open here.
+# The takes of the paper were never published, so what it says of their number and length needs them. The normaliser
+# of all styles is open here.
 
 
 # %%
@@ -434,8 +522,18 @@ if labelled:
     found = {how: [round(scores[n][how].ninth_decile, 3) for n in takes] for how in next(iter(scores.values()))}
     medians = [round(scores[n]["from contacts"].median, 3) for n in takes]
     frames = sum(scores[n]["from contacts"].frames for n in takes)
-    joints = sum(not site for site in load_clip(entry, catalogue.dataset).skeleton.sites)
     judge("m18-data-skeleton", joints == 31, "Holden's takes, end sites not counted", value=joints)
+    note = "against weights blended by hand with Equation 1; layers as of a network drawn at random"
+    holds = len(shapes) == 3 and fig2_off < 1e-10 < fig2_null
+    recorder.claim("m18-fig2-pfnn", value=fig2_off, verdict=REPRODUCED if holds else DIFFERS, note=note, n=5)
+    note = f"of Holden's network, whose statistics put {spacing:.1f} frames between two points"
+    judge("m18-trajectory-points", points == 12 and abs(spacing - 10) < 0.5, note, value=points)
+    note = "from the parts, with the joints of Holden's takes"
+    judge("m18-features-input", inputs == WIDTHS_2018.inputs, note, value=inputs)
+    judge("m18-features-output", outputs == WIDTHS_2018.outputs, note, value=outputs)
+    even = abs(balance["takes and mirrored copies"]) < 0.05 * abs(balance["the takes"]) and abs(lean) < 0.01
+    note = "degrees/s to the left of Holden's takes, alone and with their copies; the data of the network are even too"
+    judge("m18-data-mirrored", even, note, value=[round(value, 2) for value in balance.values()], n=len(alone))
     note = "ninth decile of the distance from hand labels (cycles), " + " and ".join(takes)
     judge("m18-phase-label", max(found["from contacts"]) <= 0.15, note, value=found["from contacts"], n=frames)
     note = "contacts are found from foot speed, and nobody cleans them: the phase lies as near to hand labels as these "

@@ -34,7 +34,7 @@ from torch.nn import functional
 
 from stylephase.evaluation.bench.models import frame_times
 from stylephase.evaluation.budget.paper_2018 import PHASES, shares, table_1
-from stylephase.evaluation.budget.rows import built
+from stylephase.evaluation.budget.rows import built, parameters
 from stylephase.models.adapters import CpLayer
 from stylephase.models.experts import ExpertLayer
 from stylephase.models.modulators import Adapters
@@ -102,6 +102,19 @@ rank = int(torch.linalg.matrix_rank(layer.matrices()[0]))
 points = {name: tuple(tensor.shape) for name, tensor in layer.named_parameters()}
 assert cp_off < 1e-12 and rank == 5
 table(("factor", "shape"), *points.items())
+
+# %% [markdown]
+# The rank is a dial: from one value for each row and column to more than a full matrix has.
+
+# %%
+RANKS = (1, 3, 10, 30, 100, 300)
+of_rank = {n: parameters(adapters("cp", 1, 512, rank=n).adapters[0]) for n in RANKS}
+by_sum = {n: n * (512 + 512 + 4) + 4 * 512 for n in RANKS}
+of_full = parameters(adapters("full", 1, 512).adapters[0])
+table(
+    ("rank", "parameters", "of the full adapter's (%)"),
+    *((n, f"{of_rank[n]:,}", f"{100 * of_rank[n] / of_full:.2f}") for n in RANKS),
+)
 
 # %% [markdown]
 # ## Table 1: memory of a style
@@ -181,6 +194,9 @@ full, trained, stored, *decomposed = text
 judge("m18-full-adapter-share", full.verdict == REPRODUCED, value=round(full.counted, 2))
 judge("m18-eq6-cp", cp_off < 1e-12, "against the full matrices of its control points", value=cp_off)
 judge("m18-cp-rank", cp.adapters[0].d.shape[1] == RANK == 30, value=cp.adapters[0].d.shape[1])
+sized = of_rank == by_sum and max(of_rank.values()) > 50 * min(of_rank.values())
+note = f"parameters of rank {min(RANKS)} and {max(RANKS)}; whether more data need more is left to the training"
+judge("m18-adjustable-size", sized, note, value=[of_rank[n] for n in (min(RANKS), max(RANKS))], n=len(RANKS))
 judge("m18-cp-share-training", trained.verdict == REPRODUCED, trained.note, value=round(trained.counted, 2))
 judge("m18-cp-share-runtime", stored.verdict == REPRODUCED, stored.note, value=round(stored.counted, 3))
 judge("m18-phase-steps", PHASES == 50, value=PHASES)

@@ -21,6 +21,7 @@ from stylephase.motion.synthetic import SKELETON
 from stylephase.training.checkpoint import LOG
 from stylephase.training.loop import Trainer
 from stylephase.training.presets import Preset
+from stylephase.training.team import Team
 
 PRESET = Preset(
     network=NetworkSettings(
@@ -83,6 +84,13 @@ def vectors(style: str, number: int, rows: int, *, validation: bool = True) -> S
 def trainer(*styles: str, model: str = "lpn-film", seed: int = 0, **changes) -> Trainer:
     """A run of the tiny preset, with some of its values changed."""
     return Trainer(TinyStore(*styles), model, replace(PRESET, **changes), "tiny", seed)
+
+
+def still(model: str, team: Team) -> Trainer:
+    """A run without dropout, which alone differs between one process and several."""
+    generator = replace(PRESET.network.generator, rate=0.0)
+    network = replace(PRESET.network, input_rate=0.0, hidden_rate=0.0, gating_rate=0.0, generator=generator)
+    return Trainer(TinyStore(), model, replace(PRESET, network=network), "tiny", 0, team)
 
 
 def read_log(folder: Path) -> list[dict]:

@@ -15,7 +15,7 @@ from stylephase.models.bundle import load_bundle
 
 
 def evaluate(
-    weights: Annotated[Path, typer.Option(help="Folder of trained weights.")],
+    weights: Annotated[Path, typer.Option(help="Folder of trained weights, such as data/pretrained/bandai-namco.")],
     data: Annotated[str, typer.Option(help="The data set they are tested on, with the skeleton they know.")],
     seconds: Annotated[float, typer.Option(help="Length of the rollouts; 0 leaves them out.")] = 20.0,
     as_json: AsJson = False,

@@ -1,24 +1,31 @@
 """Let a trained character walk, and write its motion as BVH, arrays or a movie."""
 
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
+from jaxtyping import Bool, Float
 from numpy import ndarray
 from tqdm import tqdm
 
 from stylephase.cli.output import AsJson, emit
+from stylephase.data.registry import released_weights
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
+from stylephase.models.holden import GAITS
 from stylephase.models.released import RELEASE, load_weights
+from stylephase.models.released_pfnn import PFNN_RELEASE, fetch_pfnn, holden_skeleton, load_pfnn
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
 from stylephase.runtime.calibration import calibrate, speed_of, warm_start
 from stylephase.runtime.export import write_motion
-from stylephase.runtime.plans import FollowPath, Steady, read_path
-from stylephase.runtime.rollout import Rollout, mixed_code, parse_mixture, roll_out, to_clip
+from stylephase.runtime.pfnn import pfnn_clip, roll_out_pfnn, start_pfnn
+from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
+from stylephase.runtime.rollout import Rollout, Tick, mixed_code, parse_mixture, roll_out, to_clip
 
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
@@ -29,8 +36,8 @@ _SHORTEST, _LONGEST = 0.1, 3600.0
 
 
 def rollout(
-    weights: Annotated[str, typer.Option(help="Folder of trained weights, or `release` for the authors' own.")],
-    style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,NAME:weight,...")],
+    weights: Annotated[str, typer.Option(help="Folder of weights, `release` for the authors' own, or `pfnn-release`.")],
+    style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,...; of `pfnn-release` a gait.")],
     out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(FORMATS)}.")],
     seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 10.0,
     path: Annotated[
@@ -41,9 +48,49 @@ def rollout(
     strafe: Annotated[float, typer.Option(help="Degrees between facing and way, positive to the left.")] = 0.0,
     as_json: AsJson = False,
 ) -> None:
-    """Drive one character from a walking start, at a speed that the gain is calibrated for."""
+    """Drive one character from a walking start, at a speed that the gain is calibrated for.
+
+    Holden's PFNN of 2017 (`pfnn-release`) has no styles but gaits, from the mean pose on, and its speed is as wished.
+    """
     _check(out, seconds, speed, (turn, strafe), path)
     points = None if path is None else read_path(path)
+    frames = round(seconds * FPS)
+
+    def plan(gain: Float[ndarray, "1"]) -> Plan:
+        return Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
+
+    with tqdm(desc=out.name, unit="frame", disable=None) as bar:
+        drive = _holden if weights == PFNN_RELEASE else _styled
+        walk = drive(weights, style, out.stem, speed, plan, frames, bar.update)
+    _write(out, walk.clip, walk.contacts, style)
+    result = {"out": out, "weights": weights, "licence": walk.licence, "style": walk.style}
+    result |= {"frames": len(walk.clip), "fps": FPS, "gain": walk.gain, "speed": walk.speed}
+    result |= {"asked": speed, "near": bool(abs(walk.speed / speed - 1) <= _NEAR)}
+    text = f"{out}: {len(walk.clip)} frames of {style} at {walk.speed:.2f} m/s (asked: {speed:.2f}, "
+    text += f"gain {walk.gain:.2f})"
+    if not result["near"]:
+        text += "; these weights do not walk at that speed"
+    emit(result, as_json=as_json, text=text)
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """What is written and told: motion, contacts (right, left), licence, styles, gain, speed reached (m/s)."""
+
+    clip: Clip
+    contacts: Bool[ndarray, "frames 2"]
+    licence: str | None
+    style: dict[str, float]
+    gain: float
+    speed: float
+
+
+# From the gains of one character to its plan.
+_Plans = Callable[[Float[ndarray, "1"]], Plan]
+
+
+def _styled(weights: str, style: str, name: str, speed: float, plan: _Plans, frames: int, tick: Tick) -> _Walk:
+    """A walk by trained weights or the authors' own."""
     mixture = parse_mixture(style)
     bundle = load_weights(weights)
     code = mixed_code(bundle, mixture)[None]
@@ -51,22 +98,23 @@ def rollout(
     # The authors' weights walk under the authors' own controller.
     how = controller.RELEASE if weights == RELEASE else controller.ControllerSettings()
     start = warm_start(bundle, code, target)
-    with tqdm(desc=out.name, unit="frame", disable=None) as bar:
-        gain = calibrate(bundle, code, start, target, settings=how, tick=bar.update)
-        plan = Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
-        run = roll_out(bundle, code, start, round(seconds * FPS), plan, how, bar.update)
+    gain = calibrate(bundle, code, start, target, settings=how, tick=tick)
+    run = roll_out(bundle, code, start, frames, plan(gain), how, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
-    clip = to_clip(run, 0, bundle.body, out.stem)
-    _write(out, clip, run.contacts[:, 0] > 0.5, style)
-    reached = speed_of(run.root_positions[:, 0])
-    result = {"out": out, "weights": weights, "licence": bundle.about.get("licence"), "style": mixture}
-    result |= {"frames": len(clip), "fps": FPS, "gain": gain[0], "speed": reached}
-    result |= {"asked": speed, "near": bool(abs(reached / speed - 1) <= _NEAR)}
-    text = f"{out}: {len(clip)} frames of {style} at {reached:.2f} m/s (asked: {speed:.2f}, gain {gain[0]:.2f})"
-    if not result["near"]:
-        text += "; these weights do not walk at that speed"
-    emit(result, as_json=as_json, text=text)
+    clip, reached = to_clip(run, 0, bundle.body, name), speed_of(run.root_positions[:, 0])
+    return _Walk(clip, run.contacts[:, 0] > 0.5, bundle.about.get("licence"), mixture, gain[0], reached)
+
+
+def _holden(weights: str, gait: str, name: str, speed: float, plan: _Plans, frames: int, tick: Tick) -> _Walk:
+    """A walk by Holden's PFNN; the style is one of its gaits."""
+    if gait not in GAITS:
+        raise InputError(f"no gait {gait!r} in {weights}; there are {', '.join(GAITS)}")
+    skeleton, released = holden_skeleton(), load_pfnn(fetch_pfnn())
+    run = roll_out_pfnn(released, start_pfnn(released, 1), frames, plan(np.array([speed])), gait, tick)
+    clip, reached = pfnn_clip(run, 0, skeleton, name), speed_of(run.root_positions[:, 0])
+    licence = released_weights()[PFNN_RELEASE].licence
+    return _Walk(clip, run.contacts[:, 0] > 0.5, licence, {gait: 1.0}, 1.0, reached)
 
 
 def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float], path: Path | None) -> None:

@@ -1,5 +1,6 @@
 """Train a model on a data set."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,7 @@ from stylephase.training.checkpoint import LOG, check_folder, remove_checkpoint
 from stylephase.training.loop import Trainer, identity_of
 from stylephase.training.presets import Preset
 from stylephase.training.presets import preset as find_preset
+from stylephase.training.team import Team, find_team
 
 
 def train(
@@ -26,23 +28,34 @@ def train(
     preset: Annotated[str, typer.Option(help="quick, cpu or paper")] = "cpu",
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     styles: Annotated[str | None, typer.Option(help="Names of styles, with commas between; left out: all.")] = None,
+    input_dropout: Annotated[
+        float | None, typer.Option(min=0.0, max=0.9, help="Dropout of the input in place of the preset's.")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Train a model and write it to a folder, which must hold no run yet.
 
-    With --resume an interrupted run in the folder goes on, and a finished one is left as it is.
+    With --resume an interrupted run in the folder goes on, and a finished one is left as it is. Started by torchrun,
+    several processes share each batch.
     """
     find_model(model)
     how = find_preset(preset)
+    if input_dropout is not None:
+        how = replace(how, network=replace(how.network, input_rate=input_dropout))
+        preset = f"{preset} with input dropout {input_dropout:g}"
     catalogue = load_catalogue(data, None if styles is None else styles.split(","))
     store = VectorStore(catalogue, how.phases)
     check_folder(out, identity_of(store, model, how, preset, seed), resume=resume)
-    if is_bundle(out):
-        bundle = load_bundle(out)
-        remove_checkpoint(out)
-    else:
-        bundle = _run(store, model, how, preset, seed, out)
+    with find_team() as team:
+        if is_bundle(out):
+            bundle = load_bundle(out)
+            if team.leads:
+                remove_checkpoint(out)
+        else:
+            bundle = _run(store, model, how, preset, seed, out, team)
+    if not team.leads:
+        return
     about, last = bundle.about, read_json(out / LOG)[-1]
     text = f"{out}: {about['steps']} steps in {about['seconds']:.0f} s, training error {last['mse']:.4f}"
     if last["validation_mse"] is not None:
@@ -50,9 +63,11 @@ def train(
     emit({"out": out, "about": about, "last": last}, as_json=as_json, text=text)
 
 
-def _run(store: VectorStore, model: str, how: Preset, preset: str, seed: int, out: Path) -> Bundle:
+def _run(store: VectorStore, model: str, how: Preset, preset: str, seed: int, out: Path, team: Team) -> Bundle:
     """Train from the start, or from the checkpoint in `out`, which `check_folder` has found to be of this run."""
-    trainer = Trainer(store, model, how, preset, seed)
+    trainer = Trainer(store, model, how, preset, seed, team)
     trainer.resume(out)
-    with tqdm(total=how.steps, initial=trainer.step, desc=model, unit="step", disable=None) as bar:
+    with tqdm(
+        total=how.steps, initial=trainer.step, desc=model, unit="step", disable=None if team.leads else True
+    ) as bar:
         return trainer.run(out, bar.update)

@@ -32,12 +32,13 @@ def groups_of(styles: tuple[str, ...]) -> dict[str, list[str]]:
 def code_spread(bundle: Bundle, styles: list[StyleVectors]) -> dict[str, float] | None:
     """Deviation of style codes between styles and within a style: equal ones would show a dead generator.
 
-    None for a model without one.
+    None for weights without one.
     """
-    if bundle.network.generator is None:
+    generator = bundle.network.generator
+    if generator is None or not bundle.makes_codes:
         return None
     scaling = Scaling(bundle.normaliser, bundle.layout)
-    groups = [clip_codes(bundle.network.generator, style, scaling).numpy() for style in styles]
+    groups = [clip_codes(generator, style, scaling).numpy() for style in styles]
     between = np.array([group.mean(axis=0) for group in groups]).var(axis=0).mean()
     within = np.mean([group.var(axis=0).mean() for group in groups])
     return {"between": float(np.sqrt(between)), "within": float(np.sqrt(within))}

@@ -44,6 +44,12 @@ class Bundle:
         """Names of the styles that have a code."""
         return tuple(self.codes)
 
+    @property
+    def makes_codes(self) -> bool:
+        """Whether the weights hold a FiLM generator, which makes codes of new clips; to run a character takes none."""
+        generator = self.network.generator
+        return generator is not None and not any(tensor.is_meta for tensor in generator.parameters())
+
     @cached_property
     def layout(self) -> Layout:
         """Layout of the vectors that the network takes and gives."""
@@ -77,13 +83,20 @@ def load_tensors(path: Path) -> dict[str, Tensor]:
         raise InputError(f"not a whole safetensors file: {error}", path) from error
 
 
-def save_bundle(folder: Path, bundle: Bundle) -> None:
-    """Write a trained model; the JSON comes last, so a folder with it is complete."""
-    tensors = {f"network.{name}": tensor for name, tensor in bundle.network.state_dict().items()}
-    tensors |= {f"normaliser.{name}": torch.from_numpy(array) for name, array in vars(bundle.normaliser).items()}
+def save_bundle(folder: Path, bundle: Bundle, *, to_run: bool = False) -> None:
+    """Write a trained model; the JSON comes last, so a folder with it is complete.
+
+    With `to_run` only what moves a character: no generator, and weights and codes in half precision.
+    """
+    stored = bundle.makes_codes and not to_run
+    tensors = {f"network.{name}": tensor for name, tensor in _held(bundle.network, generator=stored).items()}
     tensors |= {f"code.{style}": code for style, code in bundle.codes.items()}
+    if to_run:
+        tensors = {name: tensor.half() for name, tensor in tensors.items()}
+    tensors |= {f"normaliser.{name}": torch.from_numpy(array) for name, array in vars(bundle.normaliser).items()}
     save_tensors(folder / _WEIGHTS, tensors)
     described = {"model": bundle.model, "settings": asdict(bundle.settings), "styles": list(bundle.styles)}
+    described |= {"generator": stored}
     described["settings"]["generator"] = _finite(described["settings"]["generator"])
     write_json(folder / _MODEL, described | {"body": bundle.body.to_json(), "about": bundle.about})
 
@@ -110,12 +123,16 @@ def load_bundle(folder: str | Path) -> Bundle:
     try:
         settings, body = _settings(described["settings"]), body_from_json(described["body"])
         model, styles, about = described["model"], described["styles"], dict(described["about"])
-        network = build_network(model, body, len(styles), settings)
-        shapes = _shapes(network, layout_for(model, body.layout), styles)
+        network, stored = build_network(model, body, len(styles), settings), described.get("generator", True)
+        shapes = _shapes(network, layout_for(model, body.layout), styles, generator=stored)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError, RuntimeError) as error:
         raise _no_model(folder, error) from error
     _check_shapes(tensors, shapes, folder / _WEIGHTS)
-    network.load_state_dict(_under("network.", tensors))
+    tensors = {name: tensor.float() if tensor.dtype == torch.half else tensor for name, tensor in tensors.items()}
+    network.load_state_dict(_under("network.", tensors), strict=stored)
+    if not stored and network.generator is not None:
+        # A tensor on the device meta has a shape and no values: whoever runs the generator is told so.
+        network.generator.to("meta")
     normaliser = Normaliser(**{name: tensor.numpy() for name, tensor in _under("normaliser.", tensors).items()})
     codes = {style: tensors[f"code.{style}"] for style in styles}
     return Bundle(model, network.eval(), settings, body, normaliser, codes, about)
@@ -126,9 +143,17 @@ def _no_model(folder: Path, error: Exception) -> InputError:
     return InputError(f"does not describe a trained model: {what}", folder / _MODEL)
 
 
-def _shapes(network: StyledNetwork, layout: Layout, styles: list[str]) -> dict[str, tuple[int, ...]]:
+def _held(network: StyledNetwork, *, generator: bool) -> dict[str, Tensor]:
+    """The weights that are stored, with or without the generator's."""
+    return {name: t for name, t in network.state_dict().items() if generator or not name.startswith("generator.")}
+
+
+def _shapes(
+    network: StyledNetwork, layout: Layout, styles: list[str], *, generator: bool
+) -> dict[str, tuple[int, ...]]:
     """Shape of each tensor that a bundle must hold."""
-    shapes = {f"network.{name}": tuple(tensor.shape) for name, tensor in network.state_dict().items()}
+    held = _held(network, generator=generator)
+    shapes = {f"network.{name}": tuple(tensor.shape) for name, tensor in held.items()}
     widths = {"x": layout.inputs, "p": layout.gate_inputs, "y": layout.outputs}
     shapes |= {f"normaliser.{field.name}": (widths[field.name[0]],) for field in fields(Normaliser)}
     return shapes | {f"code.{style}": (network.synthesis.modulator.values,) for style in styles}

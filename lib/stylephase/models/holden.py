@@ -9,7 +9,7 @@ time, not joint by joint. Metres, and metres a frame.
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 SAMPLES = tuple(range(-60, 60, 10))
@@ -41,6 +41,8 @@ Y_ROTATIONS = slice(Y_VELOCITIES.stop, OUTPUTS)
 
 # Joints of the 31 by role: hips, heads of the thighs' chains (left, right) and toes.
 HIPS, TOES = 0, (5, 10)
+# Legs and arms, left and right.
+_SIDES = ((slice(1, 6), slice(6, 11)), (slice(17, 24), slice(24, 31)))
 # Columns of the contacts that are the toes' (right, left), the order of this library.
 TOE_CONTACTS = (3, 1)
 
@@ -56,6 +58,41 @@ def x_lengths() -> Bool[ndarray, " inputs"]:
 def y_lengths() -> Bool[ndarray, " outputs"]:
     """Which values of the output have a unit of length."""
     return _marked(OUTPUTS, _Y_LENGTHS)
+
+
+def x_mirror() -> tuple[Int[ndarray, " inputs"], Float[ndarray, " inputs"]]:
+    """Column and sign of each value of the input when left and right change places."""
+    columns, signs = np.arange(INPUTS), np.ones(INPUTS)
+    _sideways(signs, X_PLACES, X_FACINGS)
+    _swap_joints(columns, signs, (X_POSITIONS, X_VELOCITIES), (-1, 1, 1))
+    columns[X_GROUND] = columns[X_GROUND].reshape(3, -1)[::-1].ravel()
+    return columns, signs
+
+
+def y_mirror() -> tuple[Int[ndarray, " outputs"], Float[ndarray, " outputs"]]:
+    """The same of the output; a rotation as logarithm keeps its part about the axis to the side."""
+    columns, signs = np.arange(OUTPUTS), np.ones(OUTPUTS)
+    signs[[Y_STEP.start, Y_TURN]] = -1
+    columns[Y_CONTACTS] = columns[Y_CONTACTS].reshape(2, -1)[::-1].ravel()
+    _sideways(signs, Y_PLACES, Y_FACINGS)
+    _swap_joints(columns, signs, (Y_POSITIONS, Y_VELOCITIES), (-1, 1, 1))
+    _swap_joints(columns, signs, (Y_ROTATIONS,), (1, -1, -1))
+    return columns, signs
+
+
+def _sideways(signs: Float[ndarray, " width"], *parts: slice) -> None:
+    """Turn the sign of x in parts that hold all x, then all z."""
+    for part in parts:
+        signs[part].reshape(2, -1)[0] = -1
+
+
+def _swap_joints(columns: ndarray, signs: ndarray, parts: Sequence[slice], turned: tuple[int, int, int]) -> None:
+    joints = np.arange(JOINTS)
+    for left, right in _SIDES:
+        joints[left], joints[right] = np.arange(JOINTS)[right], np.arange(JOINTS)[left]
+    for part in parts:
+        columns[part] = columns[part].reshape(JOINTS, 3)[joints].ravel()
+        signs[part] = np.tile(turned, JOINTS)
 
 
 def _marked(width: int, parts: Sequence[slice]) -> Bool[ndarray, " width"]:

@@ -13,16 +13,18 @@ import torch
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.data.archive import fetch
-from stylephase.data.registry import released_weights
+from stylephase.data.archive import fetch, where
+from stylephase.data.registry import dataset, released_weights
 from stylephase.errors import InputError
 from stylephase.models import holden
 from stylephase.models.experts import ExpertLayer
 from stylephase.models.pfnn import Pfnn
 from stylephase.models.spline import POINTS, catmull_rom
 from stylephase.models.synthesis import NetworkSettings
+from stylephase.motion.bvh import read_bvh
+from stylephase.motion.skeleton import Skeleton
 
-_NAME = "pfnn-release"
+PFNN_RELEASE = "pfnn-release"
 _METRES_PER_UNIT = 0.01
 _SIZES = ((512, holden.INPUTS), (512, 512), (holden.OUTPUTS, 512))
 # Phases of the 50 at which stored weights are kept, and of which layers.
@@ -43,7 +45,16 @@ class ReleasedPfnn:
 
 def fetch_pfnn() -> Path:
     """The folder with the released arrays, from the cache or the mirror; raises whatever `fetch` raises."""
-    return fetch(released_weights()[_NAME])
+    return fetch(released_weights()[PFNN_RELEASE])
+
+
+def holden_skeleton() -> Skeleton:
+    """The skeleton that the release moves, from Holden's takes; raises InputError where they are not at hand."""
+    takes = dataset("pfnn")
+    if where(takes) == "download":
+        raise InputError("the release moves the skeleton of its takes; first run: stylephase data fetch pfnn")
+    first = min(fetch(takes).rglob("*.bvh"))
+    return read_bvh(first, metres_per_unit=takes.metres_per_unit).skeleton
 
 
 def load_pfnn(folder: Path) -> ReleasedPfnn:
@@ -58,6 +69,22 @@ def load_pfnn(folder: Path) -> ReleasedPfnn:
     x_unit, y_unit = (np.where(marked, _METRES_PER_UNIT, 1.0) for marked in (holden.x_lengths(), holden.y_lengths()))
     x, y = ([_read(folder, f"{kind}{part}", width) for part in ("mean", "std")] for kind, width in _statistics())
     return ReleasedPfnn(network.eval(), x[0] * x_unit, x[1] * x_unit, y[0] * y_unit, y[1] * y_unit)
+
+
+def mirrored(released: ReleasedPfnn) -> ReleasedPfnn:
+    """The network of the world in a mirror: it gives the mirrored output for the mirrored input.
+
+    Left and right are columns with signs, and half a cycle is two of the four control points.
+    """
+    (x_at, x_signs), (y_at, y_signs) = holden.x_mirror(), holden.y_mirror()
+    tensors = {name: tensor.roll(-POINTS // 2, 0) for name, tensor in released.network.state_dict().items()}
+    tensors["layers.0.weight"] = tensors["layers.0.weight"][:, x_at] * torch.from_numpy(x_signs)[:, None].float()
+    for part in ("weight", "bias"):
+        tensors[f"layers.2.{part}"] = tensors[f"layers.2.{part}"][..., y_at] * torch.from_numpy(y_signs).float()
+    network = Pfnn(holden.INPUTS, holden.OUTPUTS, released.network.settings)
+    network.load_state_dict(tensors)
+    x_std, y_std = released.x_std[x_at], released.y_std[y_at]
+    return ReleasedPfnn(network.eval(), x_signs * released.x_mean[x_at], x_std, y_signs * released.y_mean[y_at], y_std)
 
 
 def spline_error(released: ReleasedPfnn, folder: Path) -> float:

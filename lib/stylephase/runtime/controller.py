@@ -11,9 +11,9 @@ from torch import Tensor
 
 from stylephase.features.layout import FPS, LOCAL, OUTPUT_SAMPLES, VELOCITIES, Layout
 from stylephase.models.bundle import Bundle
-from stylephase.motion.root import Root, rotate_to_local, to_local
-from stylephase.motion.rotations import from_axes
-from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_samples, on_ground, samples_of, steer
+from stylephase.motion.root import Root
+from stylephase.runtime.axes import from_axes, root_axes
+from stylephase.runtime.trajectory import Steering, Trajectory, advance, from_samples, samples_of, steer, to_world
 
 # From x and p in metres, and codes, to y in metres.
 Predict = Callable[
@@ -71,9 +71,10 @@ class State:
 
 def input_of(state: State) -> Float[ndarray, "characters inputs"]:
     """The network's input x (metres) for the present state."""
-    root, forward, up = state.path.root, state.rotations[..., 2], state.rotations[..., 1]
-    directions = [rotate_to_local(root, part) for part in (forward, up, state.velocities)]
-    pose = np.concatenate([to_local(root, state.positions), *directions], axis=-1)
+    root, axes = state.path.root, state.rotations
+    pose = np.stack([state.positions, axes[..., 2], axes[..., 1], state.velocities], axis=2)
+    pose[:, :, 0, ::2] -= root.positions[:, None]
+    pose = pose.reshape(len(pose), -1, 3) @ root_axes(root).transpose(0, 2, 1)
     return np.concatenate([samples_of(state.path), pose.reshape(len(pose), -1)], axis=1)
 
 
@@ -132,10 +133,10 @@ class Controller:
         x = input_of(state)
         p = x[:, self.layout.x_velocities] if self.layout.gate == VELOCITIES else state.phases
         y = self.predict(x, p)
-        predicted = _world_samples(y[:, self.layout.y_trajectory], root)
-        joints = y[:, self.layout.y_pose].reshape(len(y), self.layout.joints, 4, 3)
-        position, forward, up, velocity = np.einsum("nij,ncpj->cnpi", root.matrices, joints.transpose(0, 2, 1, 3))
-        position = position + np.stack([root.positions[:, 0], np.zeros(len(y)), root.positions[:, 1]], -1)[:, None]
+        predicted = to_world(y[:, self.layout.y_trajectory].reshape(len(y), len(OUTPUT_SAMPLES), 4), root)
+        joints = y[:, self.layout.y_pose].reshape(len(y), -1, 3) @ root_axes(root)
+        position, forward, up, velocity = joints.reshape(len(y), -1, 4, 3).transpose(2, 0, 1, 3)
+        position[..., ::2] += root.positions[:, None]
         carried = state.positions + velocity / FPS
         return replace(
             state,
@@ -159,13 +160,3 @@ def next_phases(
         return p
     moved = p + y[:, layout.y_phase_updates]
     return share * y[:, layout.y_phases] + (1 - share) * moved if layout.gate == LOCAL else moved % (2 * np.pi)
-
-
-def _world_samples(
-    trajectory: Float[ndarray, "characters values"], root: Root
-) -> Float[ndarray, "characters samples 4"]:
-    """Predicted samples (x, z, direction) in the world."""
-    samples = trajectory.reshape(len(trajectory), len(OUTPUT_SAMPLES), 4)
-    turned = on_ground(root.angles)
-    places = np.einsum("nij,npj->npi", turned, samples[..., :2]) + root.positions[:, None]
-    return np.concatenate([places, np.einsum("nij,npj->npi", turned, samples[..., 2:])], axis=-1)

@@ -1,18 +1,22 @@
 """A small controller for Holden's released PFNN, on flat ground: one frame after the other, as controller.py."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.spatial.transform import Rotation
 
 from stylephase.features.layout import FPS
 from stylephase.models import holden
 from stylephase.models.released_pfnn import ReleasedPfnn
+from stylephase.motion.clip import Clip
 from stylephase.motion.root import Root, to_local
-from stylephase.runtime.trajectory import Steering, on_ground, unit_ground
+from stylephase.motion.skeleton import Skeleton
+from stylephase.runtime.plans import Plan
+from stylephase.runtime.rollout import Tick, from_world, quiet
+from stylephase.runtime.trajectory import Steering, Trajectory, on_ground, unit_ground
 
 # Points of the path, one a frame: a second past, the root, and up to 59 frames to come.
 _PAST, _LENGTH = 60, 120
@@ -31,8 +35,8 @@ class PfnnState:
     """Some characters between two frames.
 
     `places` and `facings` (x, z) are points of their paths, `local` and `velocities` (m a frame) the joints as seen
-    from the last frame's root, `positions` (m) the joints in the world, `phase` (rad) the global phase, `contacts`
-    the toes' (right, left).
+    from the last frame's root, `positions` (m) and `rotations` the joints in the world, `phase` (rad) the global phase,
+    `contacts` the toes' (right, left).
     """
 
     places: Float[ndarray, "characters points 2"]
@@ -40,14 +44,19 @@ class PfnnState:
     local: Float[ndarray, "characters joints 3"]
     velocities: Float[ndarray, "characters joints 3"]
     positions: Float[ndarray, "characters joints 3"]
+    rotations: Float[ndarray, "characters joints 3 3"]
     phase: Float[ndarray, " characters"]
     contacts: Float[ndarray, "characters 2"]
 
     @property
+    def path(self) -> Trajectory:
+        """The characters' paths."""
+        return Trajectory(self.places, self.facings)
+
+    @property
     def root(self) -> Root:
         """The characters' root frames."""
-        facing = self.facings[:, _PAST]
-        return Root(self.places[:, _PAST], np.arctan2(facing[:, 0], facing[:, 1]))
+        return self.path.root
 
 
 def start_pfnn(released: ReleasedPfnn, characters: int) -> PfnnState:
@@ -58,12 +67,18 @@ def start_pfnn(released: ReleasedPfnn, characters: int) -> PfnnState:
     places[:, :, 1] = np.interp(points, holden.SAMPLES, depth)
     facings = np.tile([0.0, 1.0], (characters, _LENGTH, 1))
     positions, velocities = (_joints(np.tile(released.y_mean[part], (characters, 1))) for part in _POSE_PARTS)
+    rotations = _rotations(np.tile(released.y_mean[holden.Y_ROTATIONS], (characters, 1)))
     still = np.zeros(characters)
-    return PfnnState(places, facings, positions, velocities, positions, still, np.zeros((characters, 2)))
+    return PfnnState(places, facings, positions, velocities, positions, rotations, still, np.zeros((characters, 2)))
 
 
 def _joints(values: Float[ndarray, "characters values"]) -> Float[ndarray, "characters joints 3"]:
     return values.reshape(len(values), holden.JOINTS, 3)
+
+
+def _rotations(values: Float[ndarray, "characters values"]) -> Float[ndarray, "characters joints 3 3"]:
+    """Rotations of their logarithms, which the release keeps as half of the rotation vector."""
+    return Rotation.from_rotvec(2 * values.reshape(-1, 3)).as_matrix().reshape(len(values), holden.JOINTS, 3, 3)
 
 
 def pfnn_input(state: PfnnState, gait: str = "walk") -> Float[ndarray, "characters inputs"]:
@@ -100,7 +115,8 @@ def step_pfnn(released: ReleasedPfnn, state: PfnnState, steering: Steering, gait
     positions = carried + _POSE_SHARE * (predicted - carried)
     phase = (state.phase + 2 * np.pi * y[:, holden.Y_PHASE]) % (2 * np.pi)
     contacts = y[:, holden.Y_CONTACTS][:, list(holden.TOE_CONTACTS)]
-    return PfnnState(*_advanced(bent, y), to_local(root, positions), velocities, positions, phase, contacts)
+    rotations = root.matrices[:, None] @ _rotations(y[:, holden.Y_ROTATIONS])
+    return PfnnState(*_advanced(bent, y), to_local(root, positions), velocities, positions, rotations, phase, contacts)
 
 
 def _bent(state: PfnnState, steering: Steering) -> PfnnState:
@@ -143,9 +159,10 @@ def _filled(samples: Float[ndarray, "characters samples 2"]) -> Float[ndarray, "
 
 @dataclass(frozen=True)
 class PfnnRollout:
-    """Motion of some characters: joints (m), root, phase (rad), contacts of the toes (right, left)."""
+    """Motion of some characters in the world: joints (m), root, phase (rad), contacts of toes (right, left)."""
 
     positions: Float[ndarray, "frames characters joints 3"]
+    rotations: Float[ndarray, "frames characters joints 3 3"]
     root_positions: Float[ndarray, "frames characters 2"]
     root_angles: Float[ndarray, "frames characters"]
     phase: Float[ndarray, "frames characters"]
@@ -153,18 +170,26 @@ class PfnnRollout:
 
 
 def roll_out_pfnn(
-    released: ReleasedPfnn, start: PfnnState, frames: int, plan: Callable[[int], Steering], gait: str = "walk"
+    released: ReleasedPfnn, start: PfnnState, frames: int, plan: Plan, gait: str = "walk", tick: Tick = quiet
 ) -> PfnnRollout:
-    """Run the controller for some frames; `plan` says what is wanted at each."""
+    """Run the controller for some frames under a plan."""
     state, states = start, []
     for frame in range(frames):
-        state = step_pfnn(released, state, plan(frame), gait)
+        state = step_pfnn(released, state, plan(frame, state), gait)
+        tick(1)
         states.append(state)
     roots = [s.root for s in states]
     return PfnnRollout(
         np.stack([s.positions for s in states]),
+        np.stack([s.rotations for s in states]),
         np.stack([root.positions for root in roots]),
         np.unwrap(np.stack([root.angles for root in roots]), axis=0),
         np.stack([s.phase for s in states]),
         np.stack([s.contacts for s in states]),
     )
+
+
+def pfnn_clip(rollout: PfnnRollout, character: int, skeleton: Skeleton, name: str) -> Clip:
+    """One character's motion as a clip of the skeleton that Holden's takes have: the hips' path and all rotations."""
+    rotations = rollout.rotations[:, character]
+    return from_world(skeleton, rotations, rollout.positions[:, character, holden.HIPS], name)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -10,11 +11,21 @@ from numpy import ndarray
 
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
-from stylephase.runtime.controller import State
-from stylephase.runtime.trajectory import Steering
+from stylephase.runtime.trajectory import Steering, Trajectory
+
+
+@runtime_checkable
+class OnPath(Protocol):
+    """Characters that follow a path, as the state of any controller."""
+
+    @property
+    def path(self) -> Trajectory:
+        """The path through the characters' roots."""
+        ...
+
 
 # From the frame number and the characters' present state to what is wanted of each.
-Plan = Callable[[int, State], Steering]
+Plan = Callable[[int, OnPath], Steering]
 # A character on a path heads for the point this far ahead on it, and gets on by at most so much in a frame (m).
 _LOOK_AHEAD, _REACH = 0.8, 2.0
 
@@ -37,7 +48,7 @@ class Steady:
     strafe: float = 0.0
     until: float = float("inf")
 
-    def __call__(self, frame: int, state: State) -> Steering:
+    def __call__(self, frame: int, state: OnPath) -> Steering:
         """What is wanted at a frame."""
         facing = np.full(len(self.speeds), frame / FPS * self.turn)
         speeds = self.speeds if frame < self.until else np.zeros_like(self.speeds)
@@ -52,7 +63,7 @@ class TurnOnce:
     angle: float
     at: int
 
-    def __call__(self, frame: int, state: State) -> Steering:
+    def __call__(self, frame: int, state: OnPath) -> Steering:
         """What is wanted at a frame."""
         facing = np.full(len(self.speeds), 0.0 if frame < self.at else self.angle)
         return Steering(self.speeds[:, None] * heading(facing), facing)
@@ -72,7 +83,7 @@ class FollowPath:
         self.along = np.concatenate([[0.0], np.cumsum(self.lengths)])
         self.reached = np.zeros(len(speeds))
 
-    def __call__(self, frame: int, state: State) -> Steering:
+    def __call__(self, frame: int, state: OnPath) -> Steering:
         """Head for a point of the path a little ahead of the nearest one."""
         positions = state.path.root.positions
         before = np.zeros_like(self.reached) if frame == 0 else self.reached

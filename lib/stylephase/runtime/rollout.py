@@ -15,6 +15,7 @@ from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle
 from stylephase.motion.clip import Clip
 from stylephase.motion.rotations import from_matrix
+from stylephase.motion.skeleton import Skeleton
 from stylephase.runtime.controller import Controller, ControllerSettings, State
 from stylephase.runtime.plans import Plan
 
@@ -108,12 +109,22 @@ def to_clip(rollout: Rollout, character: int, body: Body, name: str) -> Clip:
     The network's positions of the other joints are left aside. End sites turn with their parents.
     """
     skeleton, place = body.skeleton, {joint: k for k, joint in enumerate(body.joints)}
-    world = np.empty((len(rollout), len(skeleton), 3, 3))
+    moving = [joint for joint in range(len(skeleton)) if not skeleton.sites[joint]]
+    rest = np.swapaxes(body.rest[moving], -1, -2)
+    world = rollout.rotations[:, character, [place[joint] for joint in moving]] @ rest
+    return from_world(skeleton, world, rollout.positions[:, character, place[0]], name)
+
+
+def from_world(
+    skeleton: Skeleton, rotations: Float[ndarray, "frames moving 3 3"], hips: Float[ndarray, "frames 3"], name: str
+) -> Clip:
+    """A clip from the hips' path and the rotations in the world of all joints but end sites, in the skeleton's order.
+
+    End sites turn with their parents.
+    """
+    world, place = np.empty((len(hips), len(skeleton), 3, 3)), iter(range(rotations.shape[1]))
     for joint, parent in enumerate(skeleton.parents):
-        if skeleton.sites[joint]:
-            world[:, joint] = world[:, parent]
-        else:
-            world[:, joint] = rollout.rotations[:, character, place[joint]] @ body.rest[joint].T
+        world[:, joint] = world[:, parent] if skeleton.sites[joint] else rotations[:, next(place)]
     parents = list(skeleton.parents[1:])
     local = np.concatenate([world[:, :1], np.swapaxes(world[:, parents], -1, -2) @ world[:, 1:]], axis=1)
-    return Clip(skeleton, FPS, from_matrix(local), rollout.positions[:, character, place[0]], name)
+    return Clip(skeleton, FPS, from_matrix(local), hips, name)

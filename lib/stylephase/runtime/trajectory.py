@@ -1,5 +1,6 @@
 """The path that the character follows: the past second, the root, and the second to come ([M22] release 5.1, 5.2)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,18 @@ from stylephase.motion.root import Root
 PAST = -min(INPUT_SAMPLES)
 FUTURE = max(INPUT_SAMPLES)
 _AHEAD = np.arange(1, FUTURE + 1) / FUTURE
+# Where the samples of input and output lie on the path, and which of the output is the root.
+_IN, _OUT = np.array(INPUT_SAMPLES) + PAST, np.array(OUTPUT_SAMPLES) + PAST
+_AT_ROOT = (_OUT == PAST)[:, None]
+
+
+def _between(samples: Sequence[int], first: int) -> Float[ndarray, "points samples"]:
+    """Weights of the samples at every point from `first` on: linear between two neighbours."""
+    points = np.arange(first, FUTURE + 1)
+    return np.stack([np.interp(points, samples, one) for one in np.eye(len(samples))], axis=1)
+
+
+_PATH, _FUTURE = _between(INPUT_SAMPLES, -PAST), _between(OUTPUT_SAMPLES, 0)
 
 
 @dataclass(frozen=True)
@@ -40,38 +53,46 @@ class Trajectory:
 
 def on_ground(angles: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2 2"]:
     """Rotations of ground vectors (x, z) from root to world."""
-    sine, cosine = np.sin(angles), np.cos(angles)
-    return np.stack([cosine, sine, -sine, cosine], axis=-1).reshape(len(angles), 2, 2)
+    turns = np.empty((len(angles), 2, 2))
+    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
+    turns[:, 0, 1] = np.sin(angles)
+    turns[:, 1, 0] = -turns[:, 0, 1]
+    return turns
 
 
 def unit_ground(
     vectors: Float[ndarray, "*batch 2"], otherwise: Float[ndarray, "*batch 2"]
 ) -> Float[ndarray, "*batch 2"]:
     """Vectors of length 1; where there is no length, `otherwise`."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.where(length > 1e-6, vectors / np.maximum(length, 1e-6), otherwise)
+    length = np.hypot(vectors[..., 0], vectors[..., 1])[..., None]
+    return np.divide(vectors, length, out=otherwise.copy(), where=length > 1e-6)
+
+
+def to_world(samples: Float[ndarray, "characters samples 4"], root: Root) -> Float[ndarray, "characters samples 4"]:
+    """Samples (place, direction) that are seen from the root, in the world."""
+    turned = _turned(samples, on_ground(-root.angles))
+    turned[..., :2] += root.positions[:, None]
+    return turned
+
+
+def _turned(samples: Float[ndarray, "characters samples 4"], turns: ndarray) -> Float[ndarray, "characters samples 4"]:
+    """Places and directions times a matrix of each character."""
+    return (samples.reshape(len(samples), -1, 2) @ turns).reshape(samples.shape)
 
 
 def from_samples(samples: Float[ndarray, "characters values"], root: Root) -> Trajectory:
     """A path through the trajectory part of an input x, placed at `root`; between the samples it is straight."""
-    values = samples.reshape(len(samples), len(INPUT_SAMPLES), 4)
-    points = np.arange(-PAST, FUTURE + 1)
-    filled = np.stack(
-        [[np.interp(points, INPUT_SAMPLES, column) for column in character.T] for character in values]
-    ).transpose(0, 2, 1)
-    turned = on_ground(root.angles)
-    positions = np.einsum("nij,npj->npi", turned, filled[..., :2]) + root.positions[:, None]
-    directions = np.einsum("nij,npj->npi", turned, filled[..., 2:])
-    return Trajectory(positions, unit_ground(directions, directions))
+    path = to_world(_PATH @ samples.reshape(len(samples), len(INPUT_SAMPLES), 4), root)
+    directions = path[..., 2:]
+    return Trajectory(path[..., :2], unit_ground(directions, directions))
 
 
 def samples_of(path: Trajectory) -> Float[ndarray, "characters values"]:
     """The trajectory part of the input x: samples of the path as seen from the root."""
-    root, at = path.root, np.array(INPUT_SAMPLES) + PAST
-    inverse = on_ground(-root.angles)
-    positions = np.einsum("nij,npj->npi", inverse, path.positions[:, at] - root.positions[:, None])
-    directions = np.einsum("nij,npj->npi", inverse, path.directions[:, at])
-    return np.concatenate([positions, directions], axis=-1).reshape(len(positions), -1)
+    root = path.root
+    samples = np.concatenate([path.positions[:, _IN], path.directions[:, _IN]], axis=-1)
+    samples[..., :2] -= root.positions[:, None]
+    return _turned(samples, on_ground(root.angles)).reshape(len(samples), -1)
 
 
 def steer(
@@ -82,10 +103,10 @@ def steer(
     The user's weight at a point that lies the share s of the second ahead is 1 - (1 - `reach` s)^bias.
     """
     towards, turning = (1 - (1 - reach * _AHEAD) ** bias for bias in (position_bias, direction_bias))
-    steps = np.diff(path.positions[:, PAST:], axis=1)
-    steps = steps + towards[:, None] * (steering.velocity[:, None] / FPS - steps)
     positions, directions = path.positions.copy(), path.directions.copy()
-    positions[:, PAST + 1 :] = positions[:, PAST : PAST + 1] + np.cumsum(steps, axis=1)
+    steps = positions[:, PAST + 1 :] - positions[:, PAST:-1]
+    steps += towards[:, None] * (steering.velocity[:, None] / FPS - steps)
+    positions[:, PAST + 1 :] = positions[:, PAST, None] + steps.cumsum(axis=1)
     wanted = np.stack([np.sin(steering.facing), np.cos(steering.facing)], axis=-1)[:, None]
     ahead = directions[:, PAST + 1 :]
     directions[:, PAST + 1 :] = unit_ground(ahead + turning[:, None] * (wanted - ahead), ahead)
@@ -100,20 +121,11 @@ def advance(
     `root_share` is the share of the predicted root step that is taken, `share` the weight of the network against the
     present path in the samples to come; between the samples the path is straight ([M22] release 5.3).
     """
-    at = np.array(OUTPUT_SAMPLES)
-    weight = np.where(at == 0, root_share, share)[:, None]
-    present = path.positions[:, PAST + at], path.directions[:, PAST + at]
-    places = present[0] + weight * (predicted[..., :2] - present[0])
-    facing = unit_ground(present[1] + weight * (predicted[..., 2:] - present[1]), present[1])
-    positions = np.concatenate([path.positions[:, 1 : PAST + 1], _between(places)], axis=1)
-    directions = np.concatenate([path.directions[:, 1 : PAST + 1], _between(facing)], axis=1)
+    samples = np.concatenate([path.positions[:, _OUT], path.directions[:, _OUT]], axis=-1)
+    present = samples[..., 2:].copy()
+    samples += np.where(_AT_ROOT, root_share, share) * (predicted - samples)
+    samples[..., 2:] = unit_ground(samples[..., 2:], present)
+    future = _FUTURE @ samples
+    positions = np.concatenate([path.positions[:, 1 : PAST + 1], future[..., :2]], axis=1)
+    directions = np.concatenate([path.directions[:, 1 : PAST + 1], future[..., 2:]], axis=1)
     return Trajectory(positions, unit_ground(directions, path.directions))
-
-
-def _between(samples: Float[ndarray, "characters samples 2"]) -> Float[ndarray, "characters points 2"]:
-    """Values at every future point, linear between the samples."""
-    points = np.arange(FUTURE + 1)
-    right = np.clip(np.searchsorted(OUTPUT_SAMPLES, points), 1, len(OUTPUT_SAMPLES) - 1)
-    at = np.array(OUTPUT_SAMPLES)
-    share = ((points - at[right - 1]) / (at[right] - at[right - 1]))[:, None]
-    return (1 - share) * samples[:, right - 1] + share * samples[:, right]

@@ -14,7 +14,7 @@ from stylephase.errors import InputError
 from stylephase.features.normaliser import Normaliser, normaliser_of
 from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.files import write_json
-from stylephase.models.bundle import Bundle, build_network, save_bundle
+from stylephase.models.bundle import Bundle, build_network, load_bundle, save_bundle
 from stylephase.models.zoo import layout_for, style_codes
 from stylephase.training import checkpoint
 from stylephase.training.checkpoint import LOG
@@ -23,6 +23,7 @@ from stylephase.training.losses import bone_length_loss, bone_lengths, squared_e
 from stylephase.training.presets import Preset
 from stylephase.training.progress import validate
 from stylephase.training.sampler import Sampler, Scaling
+from stylephase.training.team import Team, seed_apart
 
 
 def identity_of(store: VectorStore, model: str, preset: Preset, preset_name: str, seed: int) -> dict[str, Any]:
@@ -35,11 +36,16 @@ def identity_of(store: VectorStore, model: str, preset: Preset, preset_name: str
 class Trainer:
     """One training run: data in memory, network, optimisers, and all random state.
 
-    A FiLM generator learns from clips, with an optimiser of its own; other models are told the style's number.
+    A FiLM generator learns from clips, with an optimiser of its own; other models are told the style's number. In a
+    team all draw the same batch and take their share of it, so that the team learns as one process would.
     """
 
-    def __init__(self, store: VectorStore, model: str, preset: Preset, preset_name: str, seed: int):
+    def __init__(
+        self, store: VectorStore, model: str, preset: Preset, preset_name: str, seed: int, team: Team | None = None
+    ):
         self.store, self.model, self.preset, self.preset_name, self.seed = store, model, preset, preset_name, seed
+        self.team = team or Team()
+        self.team.check(min(preset.styles_per_step, len(store.catalogue.styles)))
         self.identity = identity_of(store, model, preset, preset_name, seed)
         self.body = store.body
         layout = layout_for(model, self.body.layout)
@@ -59,6 +65,9 @@ class Trainer:
             self.generator.start_neutral()
             rate = preset.generator_rate
             self.optimisers["generator"] = torch.optim.Adam(self.generator.parameters(), lr=rate, fused=True)
+        modules = {"synthesis": self.network.synthesis, "generator": self.generator}
+        self._forward = {name: self.team.together(module) for name, module in modules.items() if module is not None}
+        seed_apart(self.team, seed, 0)
         self.step, self.seconds, self.processor_seconds, self.log = 0, 0.0, 0.0, []
         self._clocks = (0.0, 0.0)
 
@@ -69,13 +78,16 @@ class Trainer:
         """
         self._clocks = time.monotonic(), time.process_time()
         # Before the first step, so that a folder that cannot be written costs no training.
-        write_json(out / LOG, self.log)
+        if self.team.leads:
+            write_json(out / LOG, self.log)
         while self.step < self.preset.steps:
             before, last = self.step, self.step + self.preset.steps_per_code >= self.preset.steps
             errors = self.round()
             if not all(map(math.isfinite, errors.values())):
                 raise self._diverged(out)
             tick(self.step - before)
+            if not self.team.leads:
+                continue
             if last or _passed(before, self.step, self.preset.log_every):
                 self._note(out, errors)
             if not last and _passed(before, self.step, self.preset.save_every):
@@ -116,23 +128,25 @@ class Trainer:
             codes.backward(shared.grad / how.steps_per_code)
             self.optimisers["generator"].step()
         self.step += how.steps_per_code
-        mse, bll = np.mean(errors, axis=0)
-        return {"mse": float(mse), "bll": float(bll)}
+        mse, bll = self.team.mean(torch.tensor(errors, dtype=torch.float64).mean(dim=0)).tolist()
+        return {"mse": mse, "bll": bll}
 
     def _codes(self, chosen: np.ndarray) -> Tensor:
         """Codes of the styles drawn: of a clip of each, or which style it is."""
         if self.generator is None:
-            return style_codes(self.network, len(self.styles))[chosen]
+            return self.team.share(style_codes(self.network, len(self.styles))[chosen])
+        clips = self.team.share(self.sampler.draw_clips(chosen))
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=self.preset.mixed):
-            return self.generator(self.sampler.draw_clips(chosen))
+            return self._forward["generator"](clips)
 
     def _synthesis_step(self, chosen: np.ndarray, codes: Tensor) -> tuple[float, float]:
         batch = self.sampler.draw_frames(chosen, self.preset.frames_per_style)
+        x, p, y = (self.team.share(rows) for rows in (batch.x, batch.p, batch.y))
         spread = codes.repeat_interleave(self.preset.frames_per_style, dim=0)
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=self.preset.mixed):
-            predicted = self.network.synthesis(batch.x, batch.p, spread)
-        mse = squared_error(batch.y, predicted)
-        bll = bone_length_loss(batch.y, predicted, self.lengths, self.scaling)
+            predicted = self._forward["synthesis"](x, p, spread)
+        mse = squared_error(y, predicted)
+        bll = bone_length_loss(y, predicted, self.lengths, self.scaling)
         self.optimisers["synthesis"].zero_grad(set_to_none=True)
         (mse + self.preset.bone_weight * bll).backward()
         self.optimisers["synthesis"].step()
@@ -164,16 +178,21 @@ class Trainer:
             self.rng.bit_generator.state = state["rng"]
             self.step, self.seconds, self.log = state["step"], state["seconds"], state["log"]
             self.processor_seconds = state["processor_seconds"]
+            seed_apart(self.team, self.seed, self.step)
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
             raise checkpoint.damaged(out, error) from error
 
     def finish(self, out: Path) -> Bundle:
-        """Write the trained model, then remove the checkpoint."""
+        """Write the trained model, then remove the checkpoint; who does not lead reads what the leader wrote."""
+        if not self.team.leads:
+            self.team.wait()
+            return load_bundle(out)
         self.network.eval()
         codes = stored_codes(self.network, self.styles, self.scaling)
         bundle = Bundle(self.model, self.network, self.preset.network, self.body, self.normaliser, codes, self._about())
         save_bundle(out, bundle)
         checkpoint.remove_checkpoint(out)
+        self.team.wait()
         return bundle
 
     def _about(self) -> dict[str, Any]:

@@ -45,7 +45,15 @@ def call(capsys) -> Call:
     def run(out: Path, *flags: str, **options: str) -> tuple[int, str, str]:
         words = {"model": "lpn-film", "data": "tiny", "preset": "quick"} | options
         with pytest.raises(SystemExit) as end:
-            app.main(["train", "--out", str(out), *flags, *(w for k, v in words.items() for w in (f"--{k}", v))])
+            app.main(
+                [
+                    "train",
+                    "--out",
+                    str(out),
+                    *flags,
+                    *(w for k, v in words.items() for w in (f"--{k.replace('_', '-')}", v)),
+                ]
+            )
         return int(end.value.code or 0), *capsys.readouterr()
 
     return run
@@ -87,6 +95,14 @@ def test_a_run_leaves_a_model_and_tells_of_it(data, call, tmp_path):
     assert status == 0 and told["out"] == str(tmp_path / "run")
     assert told["about"] == bundle.about and told["about"]["seed"] == 5 and bundle.styles == ("Sway",)
     assert told["last"] == json.loads((tmp_path / "run/log.json").read_text())[-1]
+
+
+def test_another_input_dropout_is_another_run(finished, call, tmp_path):
+    out = tmp_path / "run"
+    assert call(out, input_dropout="0.45")[0] == 0
+    bundle = load_bundle(out)
+    assert bundle.settings.input_rate == 0.45 and bundle.about["preset"] == "quick with input dropout 0.45"
+    assert refused(call(finished, "--resume", input_dropout="0.45")).endswith("of which these differ: preset")
 
 
 def test_the_text_gives_folder_steps_and_errors(finished, call):

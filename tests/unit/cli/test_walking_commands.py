@@ -189,6 +189,17 @@ class TestRollout:
         assert refused(roll(weights=tmp_path / "wild")).startswith("style Old left the finite numbers after 0.")
         assert not (tmp_path / "walk.bvh").exists()
 
+    def test_holdens_network_walks_on_the_skeleton_of_its_takes(self, roll, cache, mirror, tmp_path, monkeypatch):
+        if not {"pfnn-release.npz", "pfnn-locomotion.tar.xz"} <= {path.name for path in mirror.glob("*")}:
+            pytest.skip("needs Holden's release and takes: pfnn-*.* are not in the mirror")
+        monkeypatch.setenv("STYLEPHASE_MIRROR", str(mirror))
+        found = told(roll("--json", weights="pfnn-release", style="walk", speed="1.2", seconds="3"))
+        clip = read_bvh(tmp_path / "walk.bvh", metres_per_unit=0.01)
+        assert found["style"] == {"walk": 1.0} and 0.8 < found["speed"] < 1.4 and found["near"]
+        assert "LeftToeBase" in clip.skeleton.names and len(clip) == 180
+        status, _, err = roll(weights="pfnn-release", style="fly")
+        assert status == 2 and "no gait 'fly' in pfnn-release; there are stand, walk, jog" in err
+
     def test_without_the_release_at_hand_its_word_is_one_line(self, roll, cache, tmp_path, monkeypatch):
         monkeypatch.delenv("STYLEPHASE_MIRROR", raising=False)
         line = refused(roll(weights="release"))

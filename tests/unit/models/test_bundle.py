@@ -55,6 +55,20 @@ def test_a_round_trip_gives_identical_outputs(bundle, folder):
         assert torch.equal(outputs(found, style), outputs(bundle, style))
 
 
+def test_weights_to_run_a_character_are_half_as_precise_and_make_no_codes(bundle, tmp_path):
+    save_bundle(tmp_path / "run", bundle, to_run=True)
+    found = load_bundle(tmp_path / "run")
+    assert bundle.makes_codes and not found.makes_codes
+    x, p = torch.randn(4, bundle.layout.inputs), torch.randn(4, bundle.layout.gate_inputs)
+    for style in bundle.styles:
+        ours, full = (b.network.synthesis(x, p, b.code(style)[None].expand(4, -1)) for b in (found, bundle))
+        assert 0 < (ours - full).abs().max() < 0.01 * full.abs().max()
+    with pytest.raises(RuntimeError, match="meta"):
+        found.network.generator(torch.zeros(1, 240, bundle.layout.pose))
+    save_bundle(tmp_path / "again", found)
+    assert torch.equal(load_bundle(tmp_path / "again").code("Plain"), found.code("Plain"))
+
+
 def test_a_round_trip_keeps_all_that_describes_the_model(bundle, folder):
     found = load_bundle(str(folder))
     assert (found.model, found.settings, found.about) == (bundle.model, bundle.settings, bundle.about)

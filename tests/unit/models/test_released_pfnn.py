@@ -8,7 +8,7 @@ import torch
 
 from stylephase.errors import InputError
 from stylephase.models import holden
-from stylephase.models.released_pfnn import fetch_pfnn, load_pfnn, spline_error
+from stylephase.models.released_pfnn import ReleasedPfnn, fetch_pfnn, load_pfnn, mirrored, spline_error
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +42,24 @@ def test_the_statistics_are_a_person_in_metres(folder):
     assert mean[holden.Y_STEP][1] * 60 == pytest.approx(0.74, abs=0.01)
     heels_and_toes = mean[holden.Y_CONTACTS]
     assert (heels_and_toes[1::2] > heels_and_toes[0::2]).all()
+
+
+def test_the_mirrored_network_mirrors_what_it_gives(folder):
+    """With half a cycle between, as left and right are half a cycle apart."""
+    released = load_pfnn(folder)
+    turned, x = mirrored(released), np.random.default_rng(0).normal(size=(4, holden.INPUTS))
+    x = released.x_mean + released.x_std * x
+    (x_at, x_signs), (y_at, y_signs) = holden.x_mirror(), holden.y_mirror()
+    expected = y_signs * outputs(released, x_signs * x[:, x_at], 1.0 + np.pi)[:, y_at]
+    np.testing.assert_allclose(outputs(turned, x, 1.0), expected, atol=1e-4)
+    assert np.abs(outputs(released, x, 1.0) - expected).max() > 0.1
+
+
+def outputs(released: ReleasedPfnn, x: np.ndarray, phase: float) -> np.ndarray:
+    scaled = torch.from_numpy((x - released.x_mean) / released.x_std).float()
+    with torch.inference_mode():
+        y = released.network(scaled, torch.full((len(x), 1), phase), torch.zeros(len(x), 0)).double().numpy()
+    return y * released.y_std + released.y_mean
 
 
 def test_arrays_that_are_missing_or_do_not_fit_are_named(folder, tmp_path):

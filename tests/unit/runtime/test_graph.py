@@ -9,12 +9,16 @@ import torch
 
 from stylephase.evaluation.bench.frames import made_bundle
 from stylephase.evaluation.bench.plain import NumpyNetwork
+from stylephase.features.normaliser import Normaliser
 from stylephase.models.bundle import Bundle
 from stylephase.models.lpn import NetworkSettings
+from stylephase.models.zoo import MODELS, Widths, build_synthesis
 from stylephase.runtime.controller import Controller, ControllerSettings, start_state
-from stylephase.runtime.graph import FastNetwork, in_8_bits, to_onnx
+from stylephase.runtime.graph import FastNetwork, network_graph, to_onnx, widths_of
+from stylephase.runtime.nodes import in_8_bits
 from stylephase.runtime.plans import Steady
 
+GATES = {"lpn": 8, "mann": 12, "pfnn": 1}
 SMALL = NetworkSettings(experts=3, units=64, gating_units=8)
 
 
@@ -49,6 +53,26 @@ def test_the_graph_gives_what_torch_gives(bundle, rows):
     np.testing.assert_allclose(fast(*inputs(bundle, rows)), by_torch(bundle, *inputs(bundle, rows)), atol=2e-5)
 
 
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_of_both_papers_gives_what_torch_gives(name):
+    """Styles mixed in any way, and phases beyond one turn."""
+    torch.manual_seed(0)
+    rng, widths, rows = np.random.default_rng(2), Widths(inputs=20, gate=GATES[MODELS[name].backbone], outputs=18), 6
+    network = build_synthesis(name, widths, 3, NetworkSettings(experts=3, units=16, gating_units=8)).eval()
+    for parameter in network.parameters():
+        torch.nn.init.normal_(parameter, std=0.3)
+    sizes = {"x": widths.inputs, "p": widths.gate, "y": widths.outputs}
+    parts = {f"{k}_{what}": rng.uniform(0.5, 2.0, w) for k, w in sizes.items() for what in ("mean", "std")}
+    n = Normaliser(**parts)
+    x, p, code = (rng.normal(size=(rows, w)) for w in (widths.inputs, widths.gate, network.modulator.values))
+    p *= 5
+    scaled = (torch.from_numpy(v).float() for v in ((x - n.x_mean) / n.x_std, (p - n.p_mean) / n.p_std, code))
+    with torch.inference_mode():
+        expected = network(*scaled).double().numpy() * n.y_std + n.y_mean
+    found = FastNetwork(network_graph(network, n, name, {"data": "none"}))(x, p, code)
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4 * np.abs(expected).max())
+
+
 def test_numpy_blending_first_gives_it_too(bundle):
     x, p, code = inputs(bundle, 1)
     network = NumpyNetwork(bundle, code[0].astype(np.float32))
@@ -77,7 +101,9 @@ def test_8_bits_hold_each_weight_to_half_a_step_of_its_block():
 
 def test_the_file_names_its_inputs_and_where_the_weights_come_from(bundle):
     model = to_onnx(replace(bundle, about={"data": "made", "licence": "none"}))
-    assert [value.name for value in model.graph.input] == ["x", "phases", "code"]
+    layout = bundle.body.layout
+    widths = {"x": layout.inputs, "phases": layout.gate_inputs, "code": 4 * SMALL.units, "y": layout.outputs}
+    assert widths_of(model) == widths and list(widths_of(model)) == list(widths)
     assert {entry.key: entry.value for entry in model.metadata_props} == {"data": "made", "licence": "none"}
     onnx.checker.check_model(model, full_check=True)
 

@@ -20,17 +20,26 @@ _ROUNDS = 6
 def frame_times(
     widths: dict[str, Widths], *, styles: int, runs: int = 5, each: int = 10, settings: NetworkSettings | None = None
 ) -> dict[str, tuple[float, float]]:
-    """Mean and deviation (ms) over some runs of each model's median time; the models take turns.
+    """Mean and deviation (ms) over some runs of each model's median time, as `frame_runs` takes them."""
+    taken = frame_runs(widths, styles=styles, runs=runs, each=each, settings=settings)
+    return {name: spread(values) for name, values in taken.items()}
+
+
+def frame_runs(
+    widths: dict[str, Widths], *, styles: int, runs: int = 5, each: int = 10, settings: NetworkSettings | None = None
+) -> dict[str, list[float]]:
+    """Each model's median time (ms) in some runs; the models take turns.
 
     A PFNN has its phases stored, and the phase moves on from frame to frame, a cycle a second.
     """
     with threads(1), torch.inference_mode():
         frames = {name: _frame(name, width, styles, settings or NetworkSettings()) for name, width in widths.items()}
         taken = [interleaved(frames, rounds=_ROUNDS, each=each) for _ in range(runs)]
-    return {name: _spread([1000 * run[name] for run in taken]) for name in frames}
+    return {name: [1000 * run[name] for run in taken] for name in frames}
 
 
-def _spread(values: Sequence[float]) -> tuple[float, float]:
+def spread(values: Sequence[float]) -> tuple[float, float]:
+    """Mean and deviation of some runs."""
     return float(np.mean(values)), float(np.std(values))
 
 

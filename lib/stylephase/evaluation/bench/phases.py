@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.evaluation.bench.rows import Row, interleaved
+from stylephase.evaluation.bench.rows import Row, interleaved, threads
 from stylephase.evaluation.evolution import evolve
 from stylephase.evaluation.fits import STARTS, curve_fits, windows_of
 from stylephase.features.layout import FPS
@@ -92,7 +92,8 @@ def _source(movement: Movement, how: PhaseVariant) -> Float[ndarray, " frames"]:
 
 
 def phase_rows() -> list[Row]:
-    """All rows about phases, on the walker."""
+    """All rows about phases, on the walker and one thread."""
     movements = takes()
     signal = np.concatenate([_source(movement, variant("release")) for movement in movements])
-    return fit_rows(signal) + whole_rows(movements)
+    with threads(1):
+        return fit_rows(signal) + whole_rows(movements)

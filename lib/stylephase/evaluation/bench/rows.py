@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from threadpoolctl import threadpool_limits
 
 
 @dataclass(frozen=True)
@@ -74,10 +75,14 @@ def interleaved(
 
 @contextmanager
 def threads(count: int) -> Iterator[None]:
-    """Let torch use so many threads in the block."""
+    """Let torch, and the linear algebra of NumPy and SciPy, use so many threads in the block.
+
+    The processor's clock counts all threads of a process, so a time would otherwise depend on how many there are.
+    """
     before = torch.get_num_threads()
     torch.set_num_threads(count)
     try:
-        yield
+        with threadpool_limits(count):
+            yield
     finally:
         torch.set_num_threads(before)

@@ -4,6 +4,8 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +13,12 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from stylephase.evaluation.bench.rows import Row, threads
+from stylephase.evaluation.bench.rows import Row, interleaved, threads
 from stylephase.models.experts import ExpertLayer
 from stylephase.models.lpn import NetworkSettings, SynthesisNetwork
 
 _WIDTHS = (348, 8, 342)
+_EXPERTS, _SIZES = 8, (348, 512, 512, 342)
 # A row of the plain form needs as much memory as an expert, so fewer rows are given to it, which favours it.
 _ROWS, _PLAIN_ROWS, _CURVE_ROWS = 1024, 1024, 64
 _ROUNDS, _CURVE_STEPS = 3, 25
@@ -26,9 +29,10 @@ def training_rows() -> list[Row]:
     """Speed, memory, and that both learn the same."""
     with threads(1):
         ours, plain = _speeds()
+        products = _ROWS / _products_alone()
         curves = [_curve(step) for step in (fast_step, plain_step)]
     off = float(np.abs(curves[0] / curves[1] - 1).max())
-    weights = sum(a * b for a, b in ((348, 512), (512, 512), (512, 342)))
+    weights = sum(a * b for a, b in pairwise(_SIZES))
     by_rows = _ROWS * weights * 4 * 2 / _MIB
     return [
         Row(
@@ -38,6 +42,13 @@ def training_rows() -> list[Row]:
             "rows/s",
             ratio_least=25.0,
             note=f"reference: each row blends its weights, float32, batch {_PLAIN_ROWS}; one thread, processor time",
+        ),
+        Row(
+            "training step, to its products alone",
+            ours,
+            products,
+            "rows/s",
+            note="reference: the three layers' products and those of their gradients in bf16, and nothing else",
         ),
         Row(
             "memory of these steps beyond the start",
@@ -108,6 +119,18 @@ def _speeds() -> tuple[float, float]:
             taken.append(time.process_time() - before)
     fast, plain = (len(rows[0]) / float(np.median(taken[1:])) for *_, rows, taken in runs)
     return fast, plain
+
+
+def _products_alone() -> float:
+    """Time (s) that the products of the three layers, forward and backward, need by themselves."""
+    runs = list[Callable[[], object]]()
+    for inputs, outputs in pairwise(_SIZES):
+        spread, weight, change = (
+            torch.randn(shape, dtype=torch.bfloat16)
+            for shape in ((_ROWS, _EXPERTS * inputs), (_EXPERTS * inputs, outputs), (_ROWS, outputs))
+        )
+        runs += [partial(torch.mm, *pair) for pair in ((spread, weight), (change, weight.t()), (spread.t(), change))]
+    return interleaved({"products": lambda: [run() for run in runs]}, rounds=_ROUNDS, each=1)["products"]
 
 
 def _curve(step: Step) -> np.ndarray:

@@ -3,11 +3,13 @@
 import json
 
 import pytest
+import torch
+from threadpoolctl import threadpool_info
 
 from stylephase.cli import app
 from stylephase.evaluation.bench import frames, table, training
 from stylephase.evaluation.bench.models import frame_times
-from stylephase.evaluation.bench.rows import Row, interleaved
+from stylephase.evaluation.bench.rows import Row, interleaved, threads
 from stylephase.models.lpn import NetworkSettings
 from stylephase.models.zoo import MODELS, Widths
 
@@ -27,6 +29,18 @@ def test_rivals_take_turns():
     assert calls == ["a", "a", "b", "b"] * 2 and set(found) == {"a", "b"} and min(found.values()) >= 0
 
 
+def test_threads_are_limited_in_torch_and_in_linear_algebra():
+    def counted() -> set[int]:
+        return {torch.get_num_threads(), *(pool["num_threads"] for pool in threadpool_info())}
+
+    before = counted()
+    with threads(2):
+        assert counted() == {2}
+        with threads(1):
+            assert counted() == {1}
+    assert counted() == before
+
+
 def test_the_fast_and_the_plain_step_learn_the_same(monkeypatch):
     monkeypatch.setattr(training, "_CURVE_ROWS", 4)
     monkeypatch.setattr(training, "_CURVE_STEPS", 3)
@@ -38,8 +52,8 @@ def test_the_training_rows_run(monkeypatch):
     for name, value in {"_ROWS": 16, "_PLAIN_ROWS": 2, "_CURVE_ROWS": 2, "_ROUNDS": 1, "_CURVE_STEPS": 2}.items():
         monkeypatch.setattr(training, name, value)
     monkeypatch.setattr(training, "_memory", lambda: 10.0)
-    speed, memory, loss = training.training_rows()
-    assert speed.ratio > 1 and memory.met and loss.met
+    speed, products, memory, loss = training.training_rows()
+    assert speed.ratio > 1 and 0 < products.ratio < 1 and memory.met and loss.met
 
 
 def test_the_frame_rows_run(monkeypatch):
@@ -48,7 +62,7 @@ def test_the_frame_rows_run(monkeypatch):
     for name, value in {"_ROUNDS": 1, "_EACH": 2, "_CROWD": 3, "_WARM": 2}.items():
         monkeypatch.setattr(frames, name, value)
     rows = frames.frame_rows()
-    assert len(rows) == 6 and all(row.ours > 0 and row.reference > 0 for row in rows)
+    assert len(rows) == 7 and all(row.ours > 0 and row.reference > 0 for row in rows)
 
 
 def test_the_command_prints_each_row(monkeypatch, capsys):
