@@ -34,6 +34,7 @@ pair_count: int = 21  # pairs of styles at most
 import itertools
 
 import numpy as np
+import torch
 from IPython.display import Image, Markdown
 
 from stylephase.data.catalogue import load_catalogue
@@ -41,7 +42,7 @@ from stylephase.data.registry import dataset as find_dataset
 from stylephase.errors import InputError
 from stylephase.evaluation import interpolation
 from stylephase.evaluation.interpolation import SHARES, blend_of, blended_codes, blended_gains, mean_over_pairs
-from stylephase.evaluation.release_walks import GAIN
+from stylephase.evaluation.release_blends import FIG_8, PAST_THE_TRUNK, hand_to_trunk, release_blends
 from stylephase.evaluation.report import groups_of
 from stylephase.evaluation.style import style_space
 from stylephase.features.layout import FPS
@@ -52,11 +53,11 @@ from stylephase.models.released import release_bundle
 from stylephase.report import plots
 from stylephase.report.blends import along_motion, along_plot, triangle_plot
 from stylephase.report.manifest import ROOT
+from stylephase.report.new_styles import markdown_table
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, grid
 from stylephase.report.walks import pick
-from stylephase.runtime.controller import RELEASE, start_state
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out
 
@@ -207,14 +208,12 @@ Image(figures / "07_interpolation-strip.png", alt=alt)
 # %%
 trio = pick(group, 3)
 asked = interpolation.triangle(4)
-codes = film.network.synthesis.modulator.values and np.stack([film.code(style).numpy() for style in trio])
+codes = np.stack([film.code(style).numpy() for style in trio])
 mix = np.array([gains[models[-1]][style] for style in trio])
 
 
 # %%
 def three_way():
-    import torch
-
     middle = interpolation.starts(styles, [(trio[0], trio[1])], film.body, last=False, count=len(asked))
     return roll_out(film, torch.from_numpy(asked @ codes).float(), middle, frames, Steady(asked @ mix))
 
@@ -232,7 +231,7 @@ Image(figures / "07_interpolation-triangle.png", alt=alt)
 
 # %%
 Markdown(
-    f"A share that comes out is off by {off:.2f} in the mean; by {chance:.2f} if the same walks are assigned at random. "
+    f"A share that comes out is off by {off:.2f} in the mean; by {chance:.2f} if the walks are dealt out at random. "
     f"Slide of the feet at the corners {skates[corners].mean():.2f} m/s, between them {skates[inner].mean():.2f} m/s."
 )
 
@@ -245,69 +244,39 @@ Markdown(
 
 
 # %%
-def authors() -> object | None:
+def authors():
     try:
         return None if preset == "quick" else release_bundle()
     except InputError:
         return None
 
 
-def walk_release(codes, count: int):
-    x, p = np.tile(release.normaliser.x_mean, (len(codes), 1)), np.zeros((len(codes), release.layout.gate_inputs))
-    return roll_out(
-        release, codes, start_state(x, p, release.layout), count, Steady(np.full(len(codes), GAIN)), RELEASE
-    )
-
-
 release = authors()
-# Four styles of the release do not walk.
-names = (
-    [] if release is None else [s for s in release.styles if s not in ("Drunk", "LeftHop", "RightHop", "TwoFootJump")]
-)
-released_pairs = [("BentForward", "LeanBack"), ("ArmsFolded", "ArmsBehindBack")]
-released_pairs += [tuple(names[k] for k in rng.choice(len(names), 2, replace=False)) for _ in range(20 if names else 0)]
-
-# %%
-if release is not None:
-    import torch
-
-    pure = walk_release(torch.stack([release.code(style) for style in names]), int(17 * FPS))
-    own = interpolation.space_of_walks(pure, names)
-    blended = walk_release(blended_codes(release, released_pairs), frames)
-    theirs = [b for b in interpolation.blends_of([blended], release.body, own)]
-    sound = [k for k, blend in enumerate(theirs) if blend is not None]
-    at = [f"{blend.largest_step:.2f}" for blend in theirs[:2] if blend is not None]
+theirs = None if release is None else release_blends(release)
 
 
 # %%
 def released_table() -> str:
-    if release is None:
-        return "Not run here."
-    some, twos = [theirs[k] for k in sound], [released_pairs[k] for k in sound]
-    values = {key: mean_over_pairs(np.array([getattr(b, key) for b in some]), twos) for key in heads}
-    cells = " | ".join(f"{m:.2f} [{low:.2f}, {high:.2f}]" for m, low, high in values.values())
-    fig8 = " | ".join(f"{getattr(theirs[0], key):.2f}" for key in heads)
-    top = "| | " + " | ".join(heads.values()) + " |\n" + "|---" * (len(heads) + 1) + "|\n"
-    return f"{top}| BentForward to LeanBack | {fig8} |\n| {len(sound)} pairs | {cells} |"
+    some = [(blend, pair) for blend, pair in zip(theirs.blends, theirs.pairs, strict=True) if blend is not None]
+    values = {key: mean_over_pairs(np.array([getattr(b, key) for b, _ in some]), [p for _, p in some]) for key in heads}
+    cells = [f"{m:.2f} [{low:.2f}, {high:.2f}]" for m, low, high in values.values()]
+    fig8 = [f"{getattr(theirs.blends[0], key):.2f}" for key in heads]
+    return markdown_table(list(heads.values()), {" to ".join(FIG_8): fig8, f"{len(some)} pairs": cells})
 
 
-Markdown(released_table())
+Markdown(released_table() if theirs else "Not run here.")
 
 
 # %%
-def released_strip() -> Image | Markdown:
-    if release is None:
-        return Markdown("Nothing to draw.")
-    rows = [
-        along_motion(blended, range(11 * k, 11 * k + 11), release.body, " to\n".join(released_pairs[k])) for k in (0, 1)
-    ]
+def released_strip() -> Image:
+    rows = [along_motion(theirs.run, theirs.characters(p), release.body, " to\n".join(p)) for p in theirs.pairs[:2]]
     alt = "The released network's characters along two blends, the first of which is the paper's Fig. 8."
-    picture = grid(rows, Layout(frames=len(SHARES), view="side", scale=72, note="released codes"))
-    write_png(figures / "07_interpolation-released.png", picture, alt=alt)
+    drawn = grid(rows, Layout(frames=len(SHARES), view="side", scale=72, note="released codes"))
+    write_png(figures / "07_interpolation-released.png", drawn, alt=alt)
     return Image(figures / "07_interpolation-released.png", alt=alt)
 
 
-released_strip()
+released_strip() if theirs else Markdown("Nothing to draw.")
 
 # %% [markdown]
 # ## Through the body?
@@ -317,18 +286,13 @@ released_strip()
 # From folded arms to arms behind the back, the hands have to get past the trunk. The distance of the nearer hand from
 # the line of the trunk, least over the walk's frames: half a body's depth is about 0.12 m.
 
-
 # %%
-def cut_in() -> tuple[list[float], str]:
-    if release is None:
-        return [], "Not run here."
-    near = interpolation.clearance(blended, release.body)[180:, 11:22].min(axis=0)
-    told = ", ".join(f"{share:.1f}: {value:.2f}" for share, value in zip(SHARES, near, strict=True))
-    return near.tolist(), f"Least distance in metres by the share of ArmsBehindBack: {told}."
-
-
-nearest, text = cut_in()
-Markdown(text)
+near = {} if theirs is None else {pair: hand_to_trunk(release, theirs, pair) for pair in theirs.pairs}
+dips = {pair: min(d[0], d[-1]) - d.min() for pair, d in near.items()}
+closer = [pair for pair, dip in dips.items() if dip > 0.05]
+named = [PAST_THE_TRUNK, *(pair for pair in closer if pair != PAST_THE_TRUNK)] if near else []
+lines = {" to ".join(pair): [f"{d:.2f}" for d in near[pair]] for pair in named}
+Markdown(markdown_table([f"{share:.1f}" for share in SHARES], lines) if near else "Not run here.")
 
 # %% [markdown]
 # ## The record
@@ -365,13 +329,15 @@ recorder.claim(
     seeds=[0],
     note=f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}",
 )
-if nearest:
+if near:
+    least = float(min(d.min() for d in near.values()))
     recorder.claim(
         "m22-interpolation-clipping",
-        value=[nearest[0], min(nearest[1:-1]), nearest[-1]],
-        verdict="reproduced" if min(nearest[1:-1]) < 0.8 * min(nearest[0], nearest[-1]) else no,
-        n=1,
-        note="released weights, ArmsFolded to ArmsBehindBack: hand to trunk (m) at the first, least between, at the last",
+        value=[len(closer), len(near), least],
+        verdict="reproduced" if closer else no,
+        n=len(near),
+        note="released weights: pairs between which a hand comes 5 cm nearer to the trunk's line than in either style, "
+        "of how many, and the least distance (m)",
         dataset="100style",
     )
 else:
@@ -383,8 +349,7 @@ for model in models:
     recorder.number(f"disagreement of both starts {model}", apart[model])
 recorder.number("difference of the largest step", list(difference))
 recorder.number("three-way share off by", [off, chance])
-if release is not None:
-    recorder.number("released largest step, BentForward to LeanBack", theirs[0].largest_step)
-    released_steps = np.array([theirs[k].largest_step for k in sound])
-    recorder.number("released largest step", list(mean_over_pairs(released_steps, [released_pairs[k] for k in sound])))
+if theirs is not None:
+    for pair, blend in zip(theirs.pairs, theirs.blends, strict=True):
+        recorder.number(f"released largest step, {' to '.join(pair)}", None if blend is None else blend.largest_step)
 recorder.write(figures_folder)

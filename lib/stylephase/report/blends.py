@@ -34,13 +34,13 @@ def _pose(run: Rollout, character: int, body: Body) -> Float[ndarray, "joints 3"
     return positions - ground
 
 
-def along_plot(blends: Mapping[str, Sequence[Blend]]) -> Sequence[Axes]:
+def along_plot(blends: Mapping[str, Sequence[Blend]]) -> list[Axes]:
     """How far each pair's blend has come against the share of the second style, a panel for each model.
 
     A thin line is a pair, the thick one their median, the dashed one an even blend.
     """
     with plots.style():
-        panels = Figure(figsize=(7.2, 3.0)).subplots(1, len(blends), sharey=True, squeeze=False)[0]
+        panels = list(Figure(figsize=(7.2, 3.0)).subplots(1, len(blends), sharey=True, squeeze=False)[0])
         for axes, (name, some) in zip(panels, blends.items(), strict=True):
             shares, along = some[0].shares, np.array([blend.along for blend in some])
             colour = palette.colour_of(name)

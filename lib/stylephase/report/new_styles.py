@@ -17,11 +17,11 @@ _NEW = (("#222222", "o"), ("#0072B2", "s"), ("#D55E00", "^"), ("#009E73", "D"), 
 Picture = tuple[Float[ndarray, "clips 2"], list[str]]
 
 
-def code_maps(pictures: Mapping[str, Picture], new: Sequence[str]) -> Sequence[Axes]:
+def code_maps(pictures: Mapping[str, Picture], new: Sequence[str]) -> list[Axes]:
     """Clips of known styles in pale colours and of new ones in strong ones, one panel for each picture."""
     with plots.style():
         figure = Figure(figsize=(7.2, 4.1))
-        panels = figure.subplots(1, len(pictures), squeeze=False)[0]
+        panels = list(figure.subplots(1, len(pictures), squeeze=False)[0])
         for axes, (title, (places, labels)) in zip(panels, pictures.items(), strict=True):
             _draw(axes, places, np.array(labels), new)
             axes.set(title=title, xticks=[], yticks=[], xlabel="t-SNE 1 (no unit)")
