@@ -40,7 +40,7 @@ def silhouettes(codes: Codes) -> dict[str, float]:
     A style of a single clip has no silhouette, but is another style to the rest.
     """
     values, labels = _joined(codes)
-    each = silhouette_samples(values, labels)
+    each = np.asarray(silhouette_samples(values, labels))
     return {name: float(each[labels == name].mean()) for name, group in codes.items() if len(group) > 1}
 
 

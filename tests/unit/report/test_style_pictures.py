@@ -36,14 +36,14 @@ def test_every_pair_has_its_line_and_every_model_its_panel():
     assert [axes.get_title(loc="left") for axes in panels] == ["lpn-onehot", "lpn-film"]
     # An even blend, the pairs, their median.
     assert [len(axes.lines) for axes in panels] == [4, 3]
-    np.testing.assert_allclose(panels[0].lines[2].get_ydata(), SHARES**2)
+    np.testing.assert_allclose(np.asarray(panels[0].lines[2].get_ydata(), dtype=float), SHARES**2)
 
 
 def test_the_triangle_leads_from_what_was_asked_to_what_came_out():
     asked, found = np.eye(3), np.full((3, 3), 1 / 3)
     axes = triangle_plot(asked, found, ["a", "b", "c"])
     assert [text.get_text() for text in axes.texts] == ["a", "b", "c"]
-    ends = np.array([line.get_xydata()[-1] for line in axes.lines])
+    ends = np.array([np.asarray(line.get_xydata())[-1] for line in axes.lines])
     np.testing.assert_allclose(ends, np.tile([0.5, np.sqrt(0.75) / 3], (3, 1)))
 
 
