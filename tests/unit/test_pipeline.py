@@ -86,6 +86,19 @@ def test_all_seven_models_are_trained_unless_told_otherwise(tree):
     assert calls.count("train") == calls.count("evaluate") == len(PAPER_2022) == 7
 
 
+def test_notebooks_get_the_trainings_that_they_alone_need(tree):
+    """Interpolation a second model, new styles a run that never sees some of the styles."""
+    for name in ("07_interpolation", "08_new_styles"):
+        (tree / f"notebooks/{name}.py").write_text(name)
+    calls = _run(tree)
+    assert {"notebook 07_interpolation", "notebook 08_new_styles"} <= set(calls)
+    runs = {path.parent.name: path.name for path in (tree / "build/runs").glob("*/training.json")}
+    evaluated = {path.parent.name for path in (tree / "build/runs").glob("*/evaluation.json")}
+    film, onehot, without = (f"synthetic-quick-{run}-seed0" for run in ("lpn-film", "lpn-onehot", "lpn-film-heldout"))
+    assert runs.keys() >= {film, onehot, without} and evaluated >= {film, onehot} and without not in evaluated
+    assert calls.count("train") == len(runs) and calls.count("evaluate") == len(evaluated)
+
+
 def test_an_interrupted_run_goes_on(tree):
     """Killed in the middle of the training: what came before is not repeated, and the training resumes."""
     slow = tree / "slow"

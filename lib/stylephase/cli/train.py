@@ -8,7 +8,8 @@ import typer
 from tqdm import tqdm
 
 from stylephase.cli.output import AsJson, emit
-from stylephase.data.catalogue import load_catalogue
+from stylephase.data.catalogue import check_styles, load_catalogue
+from stylephase.errors import InputError
 from stylephase.features.store import VectorStore
 from stylephase.files import read_json
 from stylephase.models.bundle import Bundle, is_bundle, load_bundle
@@ -28,6 +29,7 @@ def train(
     preset: Annotated[str, typer.Option(help="quick, cpu or paper")] = "cpu",
     seed: Annotated[int, typer.Option(min=0, help="Seed of everything random.")] = 0,
     styles: Annotated[str | None, typer.Option(help="Names of styles, with commas between; left out: all.")] = None,
+    without: Annotated[str | None, typer.Option(help="Names of styles to leave out, with commas between.")] = None,
     input_dropout: Annotated[
         float | None, typer.Option(min=0.0, max=0.9, help="Dropout of the input in place of the preset's.")
     ] = None,
@@ -44,7 +46,7 @@ def train(
     if input_dropout is not None:
         how = replace(how, network=replace(how.network, input_rate=input_dropout))
         preset = f"{preset} with input dropout {input_dropout:g}"
-    catalogue = load_catalogue(data, None if styles is None else styles.split(","))
+    catalogue = load_catalogue(data, _chosen(data, styles, without))
     store = VectorStore(catalogue, how.phases)
     check_folder(out, identity_of(store, model, how, preset, seed), resume=resume)
     with find_team() as team:
@@ -61,6 +63,18 @@ def train(
     if last["validation_mse"] is not None:
         text += f", validation error {last['validation_mse']:.4f}"
     emit({"out": out, "about": about, "last": last}, as_json=as_json, text=text)
+
+
+def _chosen(data: str, styles: str | None, without: str | None) -> list[str] | None:
+    """The styles that are asked for, or None for all; raises InputError where none is left, or one is not known."""
+    asked = None if styles is None else styles.split(",")
+    if without is None:
+        return asked
+    known, left_out = load_catalogue(data, asked).styles, without.split(",")
+    check_styles(left_out, known)
+    if kept := [style for style in known if style not in left_out]:
+        return kept
+    raise InputError("--without leaves no style to learn")
 
 
 def _run(store: VectorStore, model: str, how: Preset, preset: str, seed: int, out: Path, team: Team) -> Bundle:

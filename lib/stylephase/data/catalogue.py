@@ -108,18 +108,20 @@ def load_clips(catalogue: Catalogue, *, fps: float = 60.0) -> Iterator[tuple[Ent
         yield entry, clip
 
 
-def check_same_skeleton(path: Path, skeleton: Skeleton, expected: Skeleton) -> None:
-    """Raise InputError unless joints, tree and bone lengths are those expected.
+def check_same_skeleton(
+    path: Path, skeleton: Skeleton, expected: Skeleton, *, whose: str = "the data set's first file"
+) -> None:
+    """Raise InputError unless joints, tree and bone lengths are those expected, which are `whose`.
 
     End sites may lie elsewhere: nothing moves them, and some files of one data set have them while others have not.
     """
     for what, own, others in (("joints", skeleton.names, expected.names), ("tree", skeleton.parents, expected.parents)):
         if own != others:
-            raise InputError(f"its {what} differ from those of the data set's first file", path)
+            raise InputError(f"its {what} differ from those of {whose}", path)
     apart = np.abs(skeleton.offsets - expected.offsets).max(axis=1) * ~np.array(expected.sites)
     if apart.max() > _SAME_BONE:
         joint = skeleton.names[int(apart.argmax())]
-        raise InputError(f"joint {joint} lies {apart.max():.3f} m off its place in the data set's first file", path)
+        raise InputError(f"joint {joint} lies {apart.max():.3f} m off its place in {whose}", path)
 
 
 def usable(length: int) -> bool:

@@ -1,6 +1,6 @@
 """Which real style a motion is nearest to, by statistics of pose and motion."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,9 +36,13 @@ class StyleSpace:
     scale: Float[ndarray, " statistics"]
     whitening: Float[ndarray, "statistics directions"]
 
+    def place(self, poses: Float[ndarray, "frames pose"]) -> Float[ndarray, " directions"]:
+        """Where a motion lies, in deviations within a style."""
+        return statistics(poses) / self.scale @ self.whitening
+
     def distances(self, poses: Float[ndarray, "frames pose"]) -> Float[ndarray, " styles"]:
         """Distance of a motion to each style, in deviations within a style."""
-        return np.linalg.norm(self.centres - statistics(poses) / self.scale @ self.whitening, axis=1)
+        return np.linalg.norm(self.centres - self.place(poses), axis=1)
 
     def nearest(self, poses: Float[ndarray, "frames pose"]) -> str:
         """The nearest style."""
@@ -56,7 +60,11 @@ def style_space(styles: Sequence[StyleVectors], layout: Layout) -> StyleSpace:
     The covariance within a style is pooled over styles and shrunk (Ledoit and Wolf 2004): there are fewer clips than
     statistics. This is linear discriminant analysis with equal chances.
     """
-    groups = {style.style: _statistics_of(style, layout) for style in styles}
+    return space_of({style.style: _statistics_of(style, layout) for style in styles})
+
+
+def space_of(groups: Mapping[str, Float[ndarray, "_ statistics"]]) -> StyleSpace:
+    """The same from statistics of each style's clips; a style without any has no place in it."""
     groups = {name: group for name, group in groups.items() if len(group)}
     scale = np.concatenate(list(groups.values())).std(axis=0)
     scale = np.where(scale < _CONSTANT, 1.0, scale)

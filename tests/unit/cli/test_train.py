@@ -227,3 +227,16 @@ def test_a_folder_that_is_a_file_is_one_line(data, call, tmp_path):
     (tmp_path / "run").write_text("in the way")
     assert refused(call(tmp_path / "run")).startswith(str(tmp_path / "run"))
     assert (tmp_path / "run").read_text() == "in the way"
+
+
+def test_styles_may_be_left_out(call, data, tmp_path):
+    assert call(tmp_path / "one", without="Plain")[0] == 0
+    assert load_bundle(tmp_path / "one").styles == ("Sway",)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "reason"), [("Plain,Sway", "--without leaves no style to learn"), ("Swey", "no style 'Swey'; did you")]
+)
+def test_leaving_out_all_styles_or_one_that_is_not_there_is_refused(call, data, tmp_path, left_out, reason):
+    assert refused(call(tmp_path / "none", without=left_out)).startswith(reason)
+    assert not (tmp_path / "none").exists()

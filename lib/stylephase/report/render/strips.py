@@ -36,7 +36,7 @@ class Layout:
     `view` is seen against the character's facing: side (from its right, so that it walks to the right), front or
     three-quarter. `spacing` (m) is the distance between two characters, by default the least at which they do not
     touch; with `travelled` it is the distance that they went. `scale` is in pixels per metre, `highlights` are joints
-    to ring.
+    to ring, and `note` stands below each label in place of the time between two frames.
     """
 
     frames: int = 8
@@ -45,6 +45,7 @@ class Layout:
     travelled: bool = False
     scale: int = 120
     highlights: tuple[str, ...] = ()
+    note: str | None = None
 
 
 def strip(motion: Motion, layout: Layout = Layout()) -> UInt8[ndarray, "height width 3"]:
@@ -69,7 +70,10 @@ def grid(motions: Sequence[Motion], layout: Layout = Layout()) -> UInt8[ndarray,
     for (motion, track), at in zip(standing, chosen, strict=True):
         places = track[at] @ _axes(toward)[0] if layout.travelled else spacing * np.arange(len(at))
         rows.append(_row(motion, at, places, toward, layout))
-    return _labelled(rows, [(motion.label, _step(motion, at)) for motion, at in zip(motions, chosen, strict=True)])
+    notes = [
+        _step(motion, at) if layout.note is None else layout.note for motion, at in zip(motions, chosen, strict=True)
+    ]
+    return _labelled(rows, list(zip([motion.label for motion in motions], notes, strict=True)))
 
 
 def on_the_spot(motion: Motion, *, keep_turning: bool) -> tuple[Motion, Float[ndarray, "frames 3"]]:

@@ -1,0 +1,355 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3 (ipykernel)
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Interpolation between styles
+#
+# Paper: [M22], Section 4.4 (blending), 5.1.2 and Fig. 8 (one-hot against FiLM), Section 6 (what goes wrong between).
+# Time: preset quick about 1 minute, preset cpu about 5 minutes, after the trainings.
+#
+# Two styles are mixed by mixing their codes: FiLM's 2048 scales and shifts, or the weights of a one-hot vector. The
+# paper shows pictures: FiLM passes smoothly, one-hot stays with the first style until the end. Here characters walk at
+# eleven points of the straight line between two codes, for many pairs of styles, and each walk is placed on the line
+# between the walks of the two pure styles.
+
+# %% tags=["parameters"]
+dataset: str = "synthetic"  # data set the networks were trained on
+preset: str = "quick"  # preset of the trainings
+figures_folder: str = "build/figures"  # folder for pictures and numbers
+runs_folder: str = "build/runs"  # folder of the trained runs
+models: list[str] = ["lpn-onehot", "lpn-film"]  # models to compare, with a run of seed 0 each
+pair_count: int = 21  # pairs of styles at most
+
+# %%
+import itertools
+
+import numpy as np
+import torch
+from IPython.display import Image, Markdown
+
+from stylephase.data.catalogue import load_catalogue
+from stylephase.data.registry import dataset as find_dataset
+from stylephase.errors import InputError
+from stylephase.evaluation import interpolation
+from stylephase.evaluation.interpolation import SHARES, blend_of, blended_codes, blended_gains, mean_over_pairs
+from stylephase.evaluation.release_blends import FIG_8, PAST_THE_TRUNK, hand_to_trunk, release_blends
+from stylephase.evaluation.report import groups_of
+from stylephase.evaluation.style import style_space
+from stylephase.features.layout import FPS
+from stylephase.features.store import VectorStore
+from stylephase.files import read_json
+from stylephase.models.bundle import load_bundle
+from stylephase.models.released import release_bundle
+from stylephase.report import plots
+from stylephase.report.blends import along_motion, along_plot, triangle_plot
+from stylephase.report.manifest import ROOT
+from stylephase.report.new_styles import markdown_table
+from stylephase.report.png import write_png
+from stylephase.report.recorder import Recorder
+from stylephase.report.render import Layout, grid
+from stylephase.report.walks import pick
+from stylephase.runtime.plans import Steady
+from stylephase.runtime.rollout import roll_out
+
+name, figures = dataset.replace(":", "-").replace("/", "-"), ROOT / figures_folder
+folders = {model: ROOT / runs_folder / f"{name}-{preset}-{model}-seed0" for model in models}
+bundles = {model: load_bundle(folder) for model, folder in folders.items()}
+walks = {model: read_json(folder / "evaluation.json")["rollouts"]["walks"] for model, folder in folders.items()}
+gains = {model: {walk["style"]: walk["gain"] for walk in some} for model, some in walks.items()}
+film = bundles[models[-1]]
+store = VectorStore(load_catalogue(dataset, film.styles), film.about["phases"])
+styles = {style: store.load(style) for style in film.styles}
+frames = int(10 * FPS)
+Markdown(f"Seed 0 of {', '.join(models)} on `{dataset}` ({find_dataset(dataset).origin}).")
+
+# %% [markdown]
+# ## Which pairs, and how a blend is measured
+#
+# > The user may choose three styles, and their FiLM parameters are blended by the place in a triangle ([M22] 4.4).
+#
+# A walk becomes a point: means and deviations of joint positions and velocities, in coordinates in which a style's own
+# clips vary alike every way (`evaluation/style.py`). `along` is where the walk of a blend lies on the line between the
+# two pure walks, 0 at the first and 1 at the second. An even blend gains a tenth with each tenth of the second style; a
+# switch gains everything at once. All pairs are of the group of styles with the most data, or spread over its pairs
+# where there are too many. The steering's gain is blended as the codes are.
+
+# %%
+group = max(groups_of(film.styles).values(), key=lambda names: sum(len(styles[name].x) for name in names))
+every = list(itertools.combinations(group, 2))
+most = min(6 if preset == "quick" else pair_count, len(every))
+pairs = [every[k] for k in np.unique(np.linspace(0, len(every) - 1, most).astype(int))]
+space = style_space(list(styles.values()), film.layout)
+
+
+# %%
+def walk_pairs(model: str, last: bool):
+    bundle = bundles[model]
+    codes, start = blended_codes(bundle, pairs), interpolation.starts(styles, pairs, bundle.body, last=last)
+    return roll_out(bundle, codes, start, frames, Steady(blended_gains(gains[model], pairs)))
+
+
+# Each blend walks twice, from a pose of the first style's data and from one of the second's.
+runs = {model: [walk_pairs(model, last) for last in (False, True)] for model in models}
+ends = {model: [interpolation.blends_of([run], film.body, space) for run in two] for model, two in runs.items()}
+both = {model: interpolation.blends_of(two, film.body, space) for model, two in runs.items()}
+whole = [k for k in range(len(pairs)) if all(both[model][k] is not None for model in models)]
+kept = [pairs[k] for k in whole]
+blends = {model: [both[model][k] for k in whole] for model in models}
+Markdown(f"{len(pairs)} pairs, of which {len(kept)} stayed finite throughout in both models.")
+
+# %% [markdown]
+# ## Smooth or not
+#
+# > One-hot tends to keep the first style until the interpolation is complete; FiLM changes smoothly ([M22] 5.1.2).
+#
+# `off the line` is the root mean square of how far `along` is from the share; an even blend has 0, a switch 0.3. The
+# last rows are the measures' own checks: a switch half-way, and walks that are the pure ones in random order. Brackets
+# hold what 95 of 100 other draws of the styles would give.
+
+# %%
+heads = {"off_line": "off the line", "largest_step": "largest step of eleven", "monotonicity": "monotonicity"}
+heads |= {"more_skate": "more foot slide, m/s", "apart": "styles apart"}
+table = {
+    model: {key: mean_over_pairs(np.array([getattr(b, key) for b in some]), kept) for key in heads}
+    for model, some in blends.items()
+}
+rng, still = np.random.default_rng(0), np.zeros(len(SHARES))
+null = {"a switch": [(SHARES > 0.5)[:, None].astype(float)]}
+null["a random order"] = [np.array([0, *rng.permutation(SHARES[1:-1]), 1])[:, None] for _ in range(100)]
+for label, orders in null.items():
+    made = [blend_of(order, still, SHARES) for order in orders]
+    means = {key: float(np.mean([getattr(blend, key) for blend in made])) for key in heads}
+    table[label] = {key: (value, value, value) for key, value in means.items()}
+lines = ["| | " + " | ".join(heads.values()) + " |", "|---" * (len(heads) + 1) + "|"]
+for label, row in table.items():
+    cells = [f"{m:.2f}" + ("" if label in null else f" [{low:.2f}, {high:.2f}]") for m, low, high in row.values()]
+    lines.append(f"| {label} | " + " | ".join(cells) + " |")
+Markdown("\n".join(lines))
+
+# %%
+panels = along_plot(blends)
+alt = "How far each blend has come against the share of the second style, one panel for each model."
+plots.save_figure(panels[0].figure, figures / "07_interpolation-along.png", alt=alt)
+Image(figures / "07_interpolation-along.png", alt=alt)
+
+# %% [markdown]
+# A thin line is a pair of styles, the thick one the median, the dashed one an even blend.
+
+# %%
+steps = {model: np.array([blend.largest_step for blend in some]) for model, some in blends.items()}
+difference = mean_over_pairs(steps[models[0]] - steps[models[-1]], kept)
+even = {
+    model: float(np.mean([b.largest_step <= 0.2 and b.monotonicity >= 0.95 for b in blends[model]])) for model in models
+}
+worst = {model: " - ".join(kept[int(steps[model].argmax())]) for model in models}
+Markdown(
+    f"The largest step of {models[0]} is larger than that of {models[-1]} by {difference[0]:.2f} "
+    f"[{difference[1]:.2f}, {difference[2]:.2f}]. Pairs that pass evenly (no step above 0.2, hardly ever back): "
+    + ", ".join(f"{model} {100 * share:.0f} %" for model, share in even.items())
+    + ". The largest steps: "
+    + ", ".join(f"{model} {steps[model].max():.2f} ({pair})" for model, pair in worst.items())
+    + "."
+)
+
+# %% [markdown]
+# ## Does it stay with the first style?
+#
+# Between two styles neither is the first, unless the character remembers where it began. So: the share at which half
+# the way is made, by characters that begin as the first style, and, on the way back, by those that begin as the second.
+# At 0.5 the start is forgotten. `disagreement` is the mean distance between the two, 0 where the start does not count.
+
+
+# %%
+def half_ways(model: str) -> np.ndarray:
+    there, back = ([some[k] for k in whole] for some in ends[model])
+    return np.array([(a.halfway + b.reversed().halfway) / 2 for a, b in zip(there, back, strict=True)])
+
+
+halves = {model: mean_over_pairs(half_ways(model), kept) for model in models}
+apart = {model: interpolation.disagreement(*([some[k] for k in whole] for some in ends[model])) for model in models}
+lines = ["| | half the way at a share of | disagreement |", "|---|---|---|"]
+lines += [f"| {m} | {h[0]:.2f} [{h[1]:.2f}, {h[2]:.2f}] | {apart[m]:.2f} |" for m, h in halves.items()]
+Markdown("\n".join(lines))
+
+# %% [markdown]
+# ## What one sees
+#
+# One pair in the layout of Fig. 8: the first style at the left, the second at the right, and the blends between, each
+# at the moment when its right foot comes down. The pair is the one whose styles lie farthest apart.
+
+# %%
+shown = int(np.argmax([blend.apart for blend in blends[models[-1]]]))
+first, last = kept[shown]
+start = whole[shown] * len(SHARES)
+strips = [
+    along_motion(runs[model][0], range(start, start + len(SHARES)), bundles[model].body, model) for model in models
+]
+alt = f"Characters along the blend from {first} to {last}, one row for each model."
+picture = grid(strips, Layout(frames=len(SHARES), view="side", scale=72, note=f"{first}\nto {last}"))
+write_png(figures / "07_interpolation-strip.png", picture, alt=alt)
+Image(figures / "07_interpolation-strip.png", alt=alt)
+
+# %% [markdown]
+# ## Three styles at once
+#
+# Fifteen points of a triangle, and where the walks come out: their place in the plane of the three pure walks. Lines
+# lead from what was asked for to what came out.
+
+# %%
+trio = pick(group, 3)
+asked = interpolation.triangle(4)
+codes = np.stack([film.code(style).numpy() for style in trio])
+mix = np.array([gains[models[-1]][style] for style in trio])
+
+
+# %%
+def three_way():
+    middle = interpolation.starts(styles, [(trio[0], trio[1])], film.body, last=False, count=len(asked))
+    return roll_out(film, torch.from_numpy(asked @ codes).float(), middle, frames, Steady(asked @ mix))
+
+
+places, skates = interpolation.walks_of(three_way(), film.body, space)
+corners = [int(np.flatnonzero(asked[:, k] == 1)[0]) for k in range(3)]
+found = interpolation.barycentric(places, places[corners])
+inner = np.setdiff1d(np.arange(len(asked)), corners)
+off = np.abs(found - asked)[inner].mean()
+chance = np.mean([np.abs(found[rng.permutation(inner)] - asked[inner]).mean() for _ in range(200)])
+axes = triangle_plot(asked, found, trio)
+alt = f"Three-way blends of {', '.join(trio)}: shares asked for and shares that came out, in a triangle."
+plots.save_figure(axes.figure, figures / "07_interpolation-triangle.png", alt=alt)
+Image(figures / "07_interpolation-triangle.png", alt=alt)
+
+# %%
+Markdown(
+    f"A share that comes out is off by {off:.2f} in the mean; by {chance:.2f} if the walks are dealt out at random. "
+    f"Slide of the feet at the corners {skates[corners].mean():.2f} m/s, between them {skates[inner].mean():.2f} m/s."
+)
+
+# %% [markdown]
+# ## What the authors' codes do
+#
+# The release has FiLM codes of a hundred styles and the network that they belong to, with the pair of Fig. 8 among
+# them. Its data are not at hand, so the style space is made of its own pure walks: this tells how even its blends are,
+# not how good its styles. Only with a preset other than quick, where the release's archives are at hand.
+
+
+# %%
+def authors():
+    try:
+        return None if preset == "quick" else release_bundle()
+    except InputError:
+        return None
+
+
+release = authors()
+theirs = None if release is None else release_blends(release)
+
+
+# %%
+def released_table() -> str:
+    some = [(blend, pair) for blend, pair in zip(theirs.blends, theirs.pairs, strict=True) if blend is not None]
+    values = {key: mean_over_pairs(np.array([getattr(b, key) for b, _ in some]), [p for _, p in some]) for key in heads}
+    cells = [f"{m:.2f} [{low:.2f}, {high:.2f}]" for m, low, high in values.values()]
+    fig8 = [f"{getattr(theirs.blends[0], key):.2f}" for key in heads]
+    return markdown_table(list(heads.values()), {" to ".join(FIG_8): fig8, f"{len(some)} pairs": cells})
+
+
+Markdown(released_table() if theirs else "Not run here.")
+
+
+# %%
+def released_strip() -> Image:
+    rows = [along_motion(theirs.run, theirs.characters(p), release.body, " to\n".join(p)) for p in theirs.pairs[:2]]
+    alt = "The released network's characters along two blends, the first of which is the paper's Fig. 8."
+    drawn = grid(rows, Layout(frames=len(SHARES), view="side", scale=72, note="released codes"))
+    write_png(figures / "07_interpolation-released.png", drawn, alt=alt)
+    return Image(figures / "07_interpolation-released.png", alt=alt)
+
+
+released_strip() if theirs else Markdown("Nothing to draw.")
+
+# %% [markdown]
+# ## Through the body?
+#
+# > The straight way between two styles can lead through poses in which limbs cut into the body ([M22] 6).
+#
+# From folded arms to arms behind the back, the hands have to get past the trunk. The distance of the nearer hand from
+# the line of the trunk, least over the walk's frames: half a body's depth is about 0.12 m.
+
+# %%
+near = {} if theirs is None else {pair: hand_to_trunk(release, theirs, pair) for pair in theirs.pairs}
+dips = {pair: min(d[0], d[-1]) - d.min() for pair, d in near.items()}
+closer = [pair for pair, dip in dips.items() if dip > 0.05]
+named = [PAST_THE_TRUNK, *(pair for pair in closer if pair != PAST_THE_TRUNK)] if near else []
+lines = {" to ".join(pair): [f"{d:.2f}" for d in near[pair]] for pair in named}
+Markdown(markdown_table([f"{share:.1f}" for share in SHARES], lines) if near else "Not run here.")
+
+# %% [markdown]
+# ## The record
+
+# %%
+params = {"models": models, "pair_count": pair_count, "runs_folder": runs_folder}
+data_files = [folder / "evaluation.json" for folder in folders.values()]
+recorder = Recorder("07_interpolation", dataset=dataset, preset=preset, params=params, data_files=data_files)
+onehot_steps, film_steps = (table[model]["largest_step"] for model in (models[0], models[-1]))
+smoother, keeps = difference[1] > 0, halves[models[0]][1] > 0.5
+even_film = table[models[-1]]["off_line"][2] < table["a switch"]["off_line"][0] / 2
+other, no = "reproduced on other data", "differs"
+recorder.claim(
+    "m22-fig8-bent-forward-lean-back",
+    value=[*onehot_steps, *film_steps],
+    verdict=other if smoother else no,
+    n=len(kept),
+    seeds=[0],
+    note="largest of ten steps, one-hot then FiLM, with intervals; even is 0.1, a switch 1; other styles than Fig. 8",
+)
+recorder.claim(
+    "m22-one-hot-keeps-first-style",
+    value=list(halves[models[0]]),
+    verdict=other if keeps else no,
+    n=len(kept),
+    seeds=[0],
+    note="share at which half the way is made, from either end, with its interval; 0.5 is no memory of the first style",
+)
+recorder.claim(
+    "m22-film-smooth-interpolation",
+    value=list(table[models[-1]]["off_line"]),
+    verdict=other if even_film else no,
+    n=len(kept),
+    seeds=[0],
+    note=f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}",
+)
+if near:
+    least = float(min(d.min() for d in near.values()))
+    recorder.claim(
+        "m22-interpolation-clipping",
+        value=[len(closer), len(near), least],
+        verdict="reproduced" if closer else no,
+        n=len(near),
+        note="released weights: pairs between which a hand comes 5 cm nearer to the trunk's line than in either style, "
+        "of how many, and the least distance (m)",
+        dataset="100style",
+    )
+else:
+    recorder.not_testable("m22-interpolation-clipping", "the released weights, and a preset other than quick")
+for model in models:
+    for key in heads:
+        recorder.number(f"{key} {model}", list(table[model][key]))
+    recorder.number(f"pairs that pass evenly {model}", even[model])
+    recorder.number(f"disagreement of both starts {model}", apart[model])
+recorder.number("difference of the largest step", list(difference))
+recorder.number("three-way share off by", [off, chance])
+if theirs is not None:
+    for pair, blend in zip(theirs.pairs, theirs.blends, strict=True):
+        recorder.number(f"released largest step, {' to '.join(pair)}", None if blend is None else blend.largest_step)
+recorder.write(figures_folder)
