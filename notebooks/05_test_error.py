@@ -61,7 +61,7 @@ def save(name: str, panels, alt: str) -> Image:
 
 
 def table(heads: tuple, rows: list) -> Markdown:
-    lines = [heads, ["---"] * len(heads), *rows]
+    lines = [heads, ["---"] * len(heads), *rows] if rows else [("no runs, or no such style",)]
     return Markdown("\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines))
 
 
