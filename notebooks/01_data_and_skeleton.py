@@ -271,7 +271,7 @@ table(
     ("joints", *(of.joints for of in layouts.values())),
     *rows,
     ("**input x**", *(of.inputs for of in layouts.values())),
-    ("**phases p**", *(of.phases for of in layouts.values())),
+    ("**phases p**", *(of.gate_inputs for of in layouts.values())),
     ("**output y**", *(of.outputs for of in layouts.values())),
     ("**style clip**", *(f"{CLIP_FRAMES} x {of.pose}" for of in layouts.values())),
 )
@@ -448,7 +448,7 @@ for identifier, value, printed in (
     ("m22-features-output", net.outputs, 342),
     ("m22-features-clip", [CLIP_FRAMES, net.pose], [240, 300]),
     ("m22-features-trajectory-points", len(INPUT_SAMPLES), 12),
-    ("m22-features-phase", net.phases, 8),
+    ("m22-features-phase", net.gate_inputs, 8),
 ):
     judge(identifier, value, value == printed)
 judge("m22-features-local-frame", changed, changed < 1e-9, n=len(x), tolerance=1e-9)

@@ -8,7 +8,7 @@ import pytest
 
 from stylephase.cli import app
 from stylephase.evaluation.bench.frames import made_bundle
-from stylephase.models.bundle import build_network, save_bundle
+from stylephase.models.bundle import build_network, load_bundle, save_bundle
 from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import NetworkSettings
 
@@ -37,6 +37,31 @@ def test_it_writes_a_graph_and_the_codes_beside_it(tmp_path, capsys):
         feed = {"x": np.zeros((2, result["widths"]["x"]), np.float32), "phases": np.zeros((2, 8), np.float32)}
         (y,) = session.run(["y"], feed | {"code": np.tile(codes["Neutral"], (2, 1))})
     assert y.shape == (2, result["widths"]["y"]) and np.isfinite(y).all()
+
+
+def test_weights_to_run_come_with_a_card_and_are_refused_a_second_time(tmp_path, capsys):
+    made = made_bundle(SMALL)
+    made.network.generator = build_network("lpn-film", made.body, 1, SMALL).generator
+    save_bundle(tmp_path / "run", made)
+    error = {"mse": 0.25, "bll": 0.0015}
+    measured = {"groups": {"all": {"network": error, "hold": error | {"mse": 0.5}}}}
+    (tmp_path / "run/evaluation.json").write_text(json.dumps(measured))
+    words = ("--weights", str(tmp_path / "run"), "--to-run", str(tmp_path / "out"))
+    status, out, _ = run(capsys, *words, "--json")
+    assert status == 0 and json.loads(out)["styles"] == 1
+    card, found = (tmp_path / "out/README.md").read_text(), load_bundle(tmp_path / "out")
+    assert "| all | 0.250 | 0.500 |  | 1.50 |" in card and not found.makes_codes
+    sizes = [(tmp_path / folder / "weights.safetensors").stat().st_size for folder in ("out", "run")]
+    assert sizes[0] < 0.6 * sizes[1]
+    status, _, err = run(capsys, *words)
+    assert status == 2 and "holds weights already" in err
+
+
+def test_what_to_write_must_be_named_once(tmp_path, capsys):
+    both = ("--onnx", str(tmp_path / "walk.onnx"), "--to-run", str(tmp_path / "out"))
+    for words in ((), both):
+        status, _, err = run(capsys, "--weights", "release", *words)
+        assert status == 2 and "name what to write" in err
 
 
 def test_another_suffix_is_refused_before_anything_is_read(tmp_path, capsys):
