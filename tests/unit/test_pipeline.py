@@ -110,3 +110,27 @@ def test_an_interrupted_run_goes_on(tree):
     assert {"data check", "vectors"} <= set((tree / "calls").read_text().splitlines())
     calls = _run(tree)
     assert {"train resumed", *_AFTER_TRAINING} <= set(calls) and not {"data check", "vectors"} & set(calls)
+
+
+def test_a_dry_run_tells_of_every_seed_and_makes_nothing(tree):
+    """What one tries before jobs are sent to a cluster."""
+    before = sorted(path for path in tree.rglob("*") if ".snakemake" not in path.parts and "cache" not in path.parts)
+    command = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        "--dry-run",
+        "--cores",
+        "2",
+        "--nolock",
+        "--config",
+        "seeds=0,1",
+        *_ONE,
+    ]
+    environment = {**os.environ, "PATH": f"{tree / 'bin'}:{os.environ['PATH']}", "XDG_CACHE_HOME": str(tree / "cache")}
+    done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = done.stdout + done.stderr
+    assert "lpn-film-seed0" in told and "lpn-film-seed1" in told
+    after = sorted(path for path in tree.rglob("*") if ".snakemake" not in path.parts and "cache" not in path.parts)
+    assert after == before
