@@ -217,7 +217,7 @@ class TestPlayer:
 
     def test_keys_move_it_and_nothing_else_does(self):
         player = self.player()
-        for keys, least, most in (((), 0.0, 0.1), (("w",), 0.4, 1.1)):
+        for keys, least, most in (((), 0.0, 0.2), (("w",), 0.4, 1.1)):
             before = player.state.path.root.positions
             player.hold(keys)
             for _ in range(60):

@@ -109,7 +109,7 @@ class TestRunning:
         for _ in range(60):
             one.tick()
             other.tick()
-        assert one.player.state.path.root.positions[0, 1] > 0.4 > 0.1 > other.player.state.path.root.positions[0, 1]
+        assert one.player.state.path.root.positions[0, 1] > 0.4 > 0.2 > other.player.state.path.root.positions[0, 1]
         np.testing.assert_allclose(one.player.weights, 1 / 3)
         assert [message["number"] for message, _ in one.messages] == list(range(60))
 

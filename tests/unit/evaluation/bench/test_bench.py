@@ -58,7 +58,7 @@ def test_the_training_rows_run(monkeypatch):
 
 def test_the_frame_rows_run(monkeypatch):
     small = frames.made_bundle(NetworkSettings(experts=2, units=64, gating_units=4))
-    monkeypatch.setattr(frames, "_bundle", lambda: small)
+    monkeypatch.setattr(frames, "bundle_at_hand", lambda: small)
     for name, value in {"_ROUNDS": 1, "_EACH": 2, "_CROWD": 3, "_WARM": 2}.items():
         monkeypatch.setattr(frames, name, value)
     rows = frames.frame_rows()
