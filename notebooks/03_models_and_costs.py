@@ -263,8 +263,8 @@ Markdown(f"rank correlation {correlation:.2f}; pairs that change places: {places
 
 # %% [markdown]
 # The two groups stay apart: every PFNN is faster than every network of eight experts. Within a group the order is
-# another. In print FiLM costs time over one-hot; here it does not, since one-hot's columns are a product of their own
-# and the few vectors of FiLM cost next to nothing.
+# another: in print FiLM costs much more than one-hot, here about as much, since a style's column is stored with the
+# biases and the few vectors of FiLM cost little.
 
 # %% [markdown]
 # Eight experts cost several times the PFNN's time, in the paper and here. Part of that is the stored phases,
@@ -345,9 +345,9 @@ traffic = "eight experts go by what memory gives, which they share with whatever
 extra = ", ".join(
     f"{1000 * film_costs[b]:.0f} µs ({b}; in print {1000 * film_costs_printed[b]:.0f})" for b in film_costs
 )
-REASONS = dict.fromkeys(PAPER_2022, traffic) | {
-    "lpn-onehot": f"one-hot's columns are a product of their own here, and {traffic}",
-    "pfnn-resad": "the reference is dearer here, its columns being a product of their own",
+small = "of four experts at stored phases, where every call of torch weighs against the products"
+REASONS = dict.fromkeys(PAPER_2022, f"not explored further; {traffic}") | {
+    "pfnn-resad": f"not explored further; {small}",
     "pfnn-film": f"FiLM over one-hot costs {extra}",
 }
 recorder.not_testable(f"m22-table2-{REFERENCE}-runtime", "the paper's machine; the other times are judged by this one")

@@ -202,7 +202,13 @@ judge("m18-cp-share-runtime", stored.verdict == REPRODUCED, stored.note, value=r
 judge("m18-phase-steps", PHASES == 50, value=PHASES)
 note = f"{decomposed[0].note}; {decomposed[1].note}"
 judge("m18-cp-whole-network-size", False, note, value=[round(row.counted, 2) for row in decomposed])
-judge("m18-cp-whole-network-speed", speed_up > 2.5, "one thread, weights at 50 phases", value=round(speed_up, 1), n=5)
+judge(
+    "m18-cp-whole-network-speed",
+    3 <= round(speed_up, 1) <= 4,
+    "one thread, weights at 50 phases",
+    value=round(speed_up, 1),
+    n=5,
+)
 judge("m18-cp-learned-directly", True, "the factors are the module's parameters")
 judge("m18-cp-phase-only-diagonal", points["a"][0] == 32 and points["d"][0] == 4, "the bias has control points too")
 for kind, (few, many) in zip(KINDS, zip(memory[0::2], memory[1::2], strict=True), strict=True):
@@ -211,8 +217,11 @@ for kind, (few, many) in zip(KINDS, zip(memory[0::2], memory[1::2], strict=True)
     judge(f"m18-table1-{KINDS[kind]}-memory", holds, few.note, value=value)
     name = f"pfnn-{kind}"
     note = f"another machine; over the diagonal's time {slower[name]:.2f}, in print {PRINTED[name]:.2f}"
-    near = 1 / 1.25 < slower[name] / PRINTED[name] < 1.25
-    judge(f"m18-table1-{KINDS[kind]}-runtime", near, note, value=round(times[name][0] / 1000, 6), n=5)
+    near = abs(slower[name] / PRINTED[name] - 1) < 0.1
+    if name == "pfnn-diag":
+        recorder.not_testable("m18-table1-diagonal-runtime", "the paper's machine; the other times are judged by it")
+    else:
+        judge(f"m18-table1-{KINDS[kind]}-runtime", near, note, value=round(times[name][0] / 1000, 6), n=5)
 order = sorted(PRINTED, key=lambda name: times[name][0])
 ratios = [round(slower[name], 2) for name in ("pfnn-full", "pfnn-cp")]
 note = f"in order of time: {', '.join(order)}; times over the diagonal's, full and decomposed"

@@ -1,14 +1,16 @@
 """The synthesis network that all models share: three layers, their weights blended by a gate, changed by a style."""
 
 from collections.abc import Iterable
+from copy import deepcopy
 from dataclasses import dataclass, field
 
+import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
 from stylephase.models.dropout import dropout
 from stylephase.models.generator import FilmGenerator, GeneratorSettings
-from stylephase.models.modulators import Modulator
+from stylephase.models.modulators import Modulator, OneHot
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,21 @@ class Synthesis(nn.Module):
         h = dropout(self.modulator(0, first(h, gate), h, gate, code), how.hidden_rate, self.training)
         h = dropout(self.modulator(1, second(h, gate), h, gate, code), how.hidden_rate, self.training)
         return last(h, gate)
+
+
+def for_one_style(network: Synthesis, style: int) -> Synthesis:
+    """A one-hot network that knows one style alone: its column is added to the first layer's biases, as it is stored.
+
+    Other networks are given back as they are; so many values are what a style keeps at run time ([M22] Table 2).
+    """
+    if not isinstance(network.modulator, OneHot):
+        return network
+    alone = deepcopy(network)
+    bias = alone.layers[0].get_parameter("bias")
+    with torch.no_grad():
+        bias += network.modulator.columns.weight[:, style]
+    alone.modulator = Modulator()
+    return alone
 
 
 class StyledNetwork(nn.Module):

@@ -67,7 +67,8 @@ def _scaled(g: Graph, name: str, mean: ndarray, deviation: ndarray) -> str:
 def _model(g: Graph, widths: Mapping[str, int], name: str, about: Mapping[str, Any]) -> onnx.ModelProto:
     *inputs, output = (helper.make_tensor_value_info(n, TensorProto.FLOAT, ["rows", w]) for n, w in widths.items())
     graph = helper.make_graph(g.nodes, name, inputs, [output], list(g.constants.values()))
-    operators = [helper.make_opsetid("", _OPSET), helper.make_opsetid(OWN, 1)]
+    operators = [helper.make_opsetid("", _OPSET)]
+    operators += [helper.make_opsetid(OWN, 1)] if any(node.domain == OWN for node in g.nodes) else []
     model = helper.make_model(graph, opset_imports=operators, producer_name="stylephase")
     model.ir_version = _FORMAT
     helper.set_model_props(model, {key: str(value) for key, value in about.items()})

@@ -9,8 +9,8 @@ from torch.nn import functional
 
 from stylephase.models.experts import ExpertLayer
 from stylephase.models.modulators import Adapters
-from stylephase.models.pfnn import Pfnn
 from stylephase.models.spline import catmull_rom
+from stylephase.models.synthesis import Synthesis, for_one_style
 
 PHASES = 50
 
@@ -33,9 +33,10 @@ class StoredLayer:
 
 
 class StoredPfnn:
-    """The network at stored phases, for one style at a time where it has adapters."""
+    """The network at stored phases, for one style at a time where it has adapters or columns of styles."""
 
-    def __init__(self, network: Pfnn, style: int = 0, phases: int = PHASES):
+    def __init__(self, network: Synthesis, style: int = 0, phases: int = PHASES):
+        network = for_one_style(network, style)
         self.phases, self.modulator = phases, network.modulator
         self.gates = catmull_rom(torch.arange(phases) * (2 * math.pi / phases))
         self.layers = [StoredLayer(layer, self.gates) for layer in network.layers]
@@ -46,7 +47,7 @@ class StoredPfnn:
     def __call__(
         self, x: Float[Tensor, "rows inputs"], phase: float, code: Float[Tensor, "rows values"]
     ) -> Float[Tensor, "rows outputs"]:
-        """Normalised next frames at a phase (rad); with adapters, of the style chosen, whatever the code."""
+        """Normalised next frames at a phase (rad); with adapters or columns, of the style chosen, whatever the code."""
         k = round(phase * self.phases / (2 * math.pi)) % self.phases
         first, second, last = self.layers
         if self.adapter is not None:

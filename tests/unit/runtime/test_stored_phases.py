@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from stylephase.models.pfnn import Pfnn
-from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.synthesis import NetworkSettings, for_one_style
 from stylephase.models.zoo import MODELS, Widths, build_synthesis, model
 from stylephase.runtime.phases import PHASES, StoredPfnn
 
@@ -29,3 +29,15 @@ def test_at_a_stored_phase_it_gives_what_the_network_gives(name):
         # Between two phases the nearest is taken, and the last is followed by the first.
         torch.testing.assert_close(stored(x, phase + 0.4 * 2 * math.pi / PHASES, code), exact, atol=1e-5, rtol=1e-5)
         torch.testing.assert_close(stored(x, phase - 2 * math.pi, code), exact, atol=1e-5, rtol=1e-5)
+
+
+def test_a_one_hot_network_of_one_style_gives_what_the_whole_gives_for_it():
+    torch.manual_seed(0)
+    network = build_synthesis("lpn-onehot", Widths(10, 8, 7, 12), STYLES, NetworkSettings(units=8)).eval()
+    x, p = torch.randn(4, 10), torch.randn(4, 8)
+    for style, code in enumerate(torch.eye(STYLES)):
+        alone = for_one_style(network, style)
+        torch.testing.assert_close(alone(x, p, code.expand(4, -1)), network(x, p, code.expand(4, -1)))
+        assert sum(t.numel() for t in alone.parameters()) < sum(t.numel() for t in network.parameters())
+    film = build_synthesis("lpn-film", Widths(10, 8, 7, 12), STYLES, NetworkSettings(units=8))
+    assert for_one_style(film, 0) is film

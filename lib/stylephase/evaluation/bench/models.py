@@ -10,7 +10,7 @@ from torch import Tensor
 
 from stylephase.evaluation.bench.rows import interleaved, threads
 from stylephase.models.pfnn import Pfnn
-from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.synthesis import NetworkSettings, for_one_style
 from stylephase.models.zoo import Widths, build_synthesis
 from stylephase.runtime.phases import StoredPfnn
 
@@ -44,7 +44,7 @@ def spread(values: Sequence[float]) -> tuple[float, float]:
 
 
 def _frame(name: str, widths: Widths, styles: int, settings: NetworkSettings) -> Callable[[], Tensor]:
-    """A call that computes one frame of a model drawn at random."""
+    """A call that computes one frame of a model drawn at random, of one style."""
     torch.manual_seed(0)
     network = build_synthesis(name, widths, styles, settings).eval()
     values, x = network.modulator.values, torch.randn(1, widths.inputs)
@@ -52,8 +52,8 @@ def _frame(name: str, widths: Widths, styles: int, settings: NetworkSettings) ->
     if isinstance(network, Pfnn):
         stored, phases = StoredPfnn(network), _phases()
         return lambda: stored(x, next(phases), code)
-    gate_input = torch.randn(1, widths.gate)
-    return lambda: network(x, gate_input, code)
+    gate_input, alone = torch.randn(1, widths.gate), for_one_style(network, 0)
+    return lambda: alone(x, gate_input, code)
 
 
 def _phases() -> Iterator[float]:

@@ -83,7 +83,9 @@ def _decomposed() -> list[Row]:
     whole = f"{_BYTES} * {layers(PHASES, 342, 311)} / {_MIB}", f"{_BYTES} * ({factors}) / {_MIB}"
     counted = [_BYTES * parameters(built(name, _HOLDEN, 0)) / _MIB for name in ("pfnn", "cp-pfnn")]
     unknown = "342 inputs and 311 outputs make no more than 114; what else was counted is not said"
-    rank = f"with {RANK} factors; their number is not said, and about 90 would make 1 MiB"
+    biases, of_factor = 4 * (512 + 512 + 311), sum(a + b + 4 for a, b in [(342, 512), (512, 512), (512, 311)])
+    enough = round((_MIB / _BYTES - biases) / of_factor)
+    rank = f"with {RANK} factors; their number is not said, and about {enough} would make 1 MiB"
     table, name = "[M18] 7.1", "Holden's PFNN"
     return [
         Row(table, name, f"{PHASES} phases", "MiB", whole[0], counted[0] * PHASES / POINTS, 136, 1, unknown),
