@@ -423,7 +423,6 @@ table(("model", "collar bones off, degrees", "more than lpn-film", "length off m
 # it. It walks from several frames.
 
 # %%
-
 unusual = "ArmsAboveHead" if "ArmsAboveHead" in main.data.walks else most_unusual(main.data.collars)
 lifted = {}
 for model in [model for model in MODULATED if model in main.walked]:
