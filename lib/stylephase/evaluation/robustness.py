@@ -4,7 +4,8 @@ Each character follows a random path of its own at a random speed that changes e
 kept of the motion but what is judged, so an hour takes no memory.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -180,21 +181,30 @@ def endure(
 
     Those who are broken are taken out of the batch, so that they cost nothing and their numbers stay what they were.
     """
-    # Arithmetic on numbers that fade to nothing is slow, and they mean nothing.
-    torch.set_flush_denormal(True)
     limits, rng, settings = limits or Plausible(), np.random.default_rng(seed), settings or ControllerSettings()
     watch, plan = _Watch(bundle.body, len(styles), limits), Wander(gains, seconds, rng)
     controller, state = Controller(bundle, codes, settings), start
-    for frame in range(int(seconds * FPS)):
-        state = controller.step(state, plan(frame, state))
-        if frame >= _SETTLE_SECONDS * FPS or not np.isfinite(state.positions).all():
-            off = np.zeros(len(gains)) if frame < _SETTLE_SECONDS * FPS else plan.path.off
-            watch.see(state, off, (frame + 1) / FPS)
-        if not watch.whole.any():
-            break
-        state = _restarted(state, start, watch.whole)
-        tick(1)
+    with _faded_is_zero():
+        for frame in range(int(seconds * FPS)):
+            state = controller.step(state, plan(frame, state))
+            if frame >= _SETTLE_SECONDS * FPS or not np.isfinite(state.positions).all():
+                off = np.zeros(len(gains)) if frame < _SETTLE_SECONDS * FPS else plan.path.off
+                watch.see(state, off, (frame + 1) / FPS)
+            if not watch.whole.any():
+                break
+            state = _restarted(state, start, watch.whole)
+            tick(1)
     return watch.report(styles)
+
+
+@contextmanager
+def _faded_is_zero() -> Iterator[None]:
+    """Arithmetic on numbers that fade to nothing is slow, and they mean nothing: for a while they are zero."""
+    torch.set_flush_denormal(True)
+    try:
+        yield
+    finally:
+        torch.set_flush_denormal(False)
 
 
 def _restarted(state: State, start: State, whole: Bool[ndarray, " characters"]) -> State:

@@ -1,7 +1,8 @@
 """Gated experts: layers whose weights are blended by a gating network ([M22] 4.1).
 
 The blend of weights, `(sum_e a_e W_e) h`, equals the blend of outputs, `sum_e a_e (W_e h)`. The second form is one
-matrix product for a whole batch and is what trains; the first reads each weight once and suits a single frame.
+matrix product for a whole batch and is what trains, and as a graph what runs (runtime/graph.py); the first is the
+paper's.
 """
 
 import math

@@ -39,7 +39,7 @@ Y_POSITIONS = slice(Y_FACINGS.stop, Y_FACINGS.stop + _POSE)
 Y_VELOCITIES = slice(Y_POSITIONS.stop, Y_POSITIONS.stop + _POSE)
 Y_ROTATIONS = slice(Y_VELOCITIES.stop, OUTPUTS)
 
-# Joints of the 31 by role: hips, heads of the thighs' chains (left, right) and toes.
+# Joints of the 31 by role: hips, and toes (left, right).
 HIPS, TOES = 0, (5, 10)
 # Legs and arms, left and right.
 _SIDES = ((slice(1, 6), slice(6, 11)), (slice(17, 24), slice(24, 31)))

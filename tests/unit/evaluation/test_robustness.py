@@ -89,6 +89,11 @@ def test_when_all_are_broken_it_ends_early():
     assert len(frames) < 200
 
 
+def test_afterwards_the_smallest_numbers_are_numbers_again():
+    run(Breaking(lambda *_: None), 1.0)
+    assert torch.tensor(5e-324, dtype=torch.float64).mul(1.0).item() > 0
+
+
 def test_the_same_seed_gives_the_same_and_another_not():
     one, same, other = (run(Breaking(lambda *_: None), 4.0, seed=seed) for seed in (1, 1, 2))
     assert one == same != other
