@@ -39,6 +39,7 @@ from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, Motion, grid
+from stylephase.report.show import table
 
 figures = ROOT / figures_folder
 catalogue = load_catalogue(dataset)
@@ -50,11 +51,6 @@ recorder = Recorder(
     params={"shown": shown},
     data_files=[DATA / "100style.csv", DATA / "registry.toml"],
 )
-
-
-def table(*rows) -> Markdown:
-    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    return Markdown("\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]))
 
 
 # %% [markdown]

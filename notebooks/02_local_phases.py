@@ -55,6 +55,7 @@ from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Motion
 from stylephase.report.render.swings import swing_picture, swings
+from stylephase.report.show import figure, table
 
 figures = ROOT / figures_folder
 catalogue = load_catalogue(dataset)
@@ -69,17 +70,6 @@ recorder = Recorder(
     params={"shown": shown},
     data_files=[DATA / "registry.toml"],
 )
-
-
-def table(*rows) -> Markdown:
-    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    return Markdown("\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]))
-
-
-def save(axes, name: str, alt: str) -> Image:
-    path = figures / f"02_local_phases-{name}.png"
-    plots.save_figure(axes.figure, path, alt=alt)
-    return Image(path, alt=alt)
 
 
 # %% [markdown]
@@ -131,7 +121,11 @@ with plots.style():
     both[0].set_ylabel("left hand ahead of\nits mean place (m)")
 by_global = {n: explained(swing(n), read["adaptive"][n].global_phase / (2 * np.pi)) for n in ("Plain", "OffbeatArms")}
 by_own = {name: explained(swing(name), read["adaptive"][name].local.phase[:, 0]) for name in by_global}
-save(both[0], "global", "The left hand's place against the global phase: a curve for Plain, a cloud for OffbeatArms.")
+figure(
+    both[0],
+    figures / "02_local_phases-global.png",
+    "The left hand's place against the global phase: a curve for Plain, a cloud for OffbeatArms.",
+)
 
 # %% [markdown]
 # Check: a sinusoid of the global phase explains nearly all of the plain arm's swing and hardly any of the offbeat
@@ -308,7 +302,11 @@ with plots.style():
     for axes in (left, right):
         axes.legend(loc="lower left", fontsize=8, ncols=3)
     left.set_ylim(-2.9, 1.6)
-save(left, "fit", "A contact source, normalised and smoothed; beside it the smoothed one with three fitted sinusoids.")
+figure(
+    left,
+    figures / "02_local_phases-fit.png",
+    "A contact source, normalised and smoothed; beside it the smoothed one with three fitted sinusoids.",
+)
 
 # %% [markdown]
 # > The phase feature is the pair sine and cosine of the phase, times the fitted amplitude, times the speed of the
@@ -354,7 +352,11 @@ def fig4(pair: str) -> Image:
         mark=len(take.contacts) / 2 / FPS,
     )[0]
     axes.set_title(pair, loc="right")
-    return save(axes, f"fig4-{name}", f"Source functions, phases and foot contacts of {pair} against time.")
+    return figure(
+        axes,
+        figures / f"02_local_phases-fig4-{name}.png",
+        f"Source functions, phases and foot contacts of {pair} against time.",
+    )
 
 
 fig4(three[0])
@@ -419,7 +421,11 @@ def hop_picture() -> Image | Markdown:
     parts = (take.local.source, take.local.phase, take.local.magnitude, take.contacts)
     axes = plots.phase_plot(*(values[part] for values in parts), fps=FPS)[0]
     axes.set_title("HopOnRight, left foot without contacts", loc="right")
-    return save(axes, "hop", "Source functions, phases and contacts of a hopper, whose raised foot has no contacts.")
+    return figure(
+        axes,
+        figures / "02_local_phases-hop.png",
+        "Source functions, phases and contacts of a hopper, whose raised foot has no contacts.",
+    )
 
 
 hop_picture()
@@ -516,7 +522,11 @@ with plots.style():
     below.set(xlabel="time (s)", ylabel="phase (cycles)", title=f"Left foot of {slow}", xlim=(0, 8))
     above.legend(loc="upper left", title="window")
     below.legend(loc="lower left", ncols=3, bbox_to_anchor=(0.36, 1.0), fontsize=8)
-save(above, "window", "Share of wrong frames against the length of the cycle for windows of one second and one cycle.")
+figure(
+    above,
+    figures / "02_local_phases-window.png",
+    "Share of wrong frames against the length of the cycle for windows of one second and one cycle.",
+)
 
 # %% [markdown]
 # Check: with a window of one cycle hardly a frame is wrong at any length. Magnitudes stay comparable, since a z-score
@@ -692,7 +702,11 @@ def oracle_picture() -> Image | Markdown:
         curves(feet, FEET_ROWS, "Feet"), curves(hands, HAND_ROWS, "Hands")
         feet.set_ylabel("median distance (cycles)")
         feet.legend(loc="upper left")
-    return save(feet, "oracle", "Median distance of each style from the network's phases, sorted, of two variants.")
+    return figure(
+        feet,
+        figures / "02_local_phases-oracle.png",
+        "Median distance of each style from the network's phases, sorted, of two variants.",
+    )
 
 
 oracle_picture()
@@ -761,7 +775,11 @@ def generated_fig4(style: str) -> Image | Markdown:
     local = take.local
     axes = plots.phase_plot(local.source, local.phase, local.magnitude, take.contacts, fps=FPS)[0]
     axes.set_title(f"{style}, generated", loc="right")
-    return save(axes, f"fig4-{style}", f"Source functions, phases and foot contacts of {style}, generated.")
+    return figure(
+        axes,
+        figures / f"02_local_phases-fig4-{style}.png",
+        f"Source functions, phases and foot contacts of {style}, generated.",
+    )
 
 
 generated_fig4("PendulumHands")

@@ -28,7 +28,7 @@ figures_folder: str = "build/figures"  # folder for pictures and numbers
 # %%
 import numpy as np
 import torch
-from IPython.display import Image, Markdown
+from IPython.display import Markdown
 from matplotlib.figure import Figure
 from torch.nn import functional
 
@@ -53,6 +53,7 @@ from stylephase.report import palette, plots
 from stylephase.report.claims import DIFFERS, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
+from stylephase.report.show import figure, table
 from stylephase.runtime.phases import StoredPfnn
 
 figures = ROOT / figures_folder
@@ -61,17 +62,6 @@ recorder = Recorder(
 )
 WIDTHS = {name: widths_of(name, PUBLISHED) for name in PAPER_2022}
 MODELS = {name: built(name, widths, STYLES) for name, widths in WIDTHS.items()}
-
-
-def table(*rows) -> Markdown:
-    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    return Markdown("\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]))
-
-
-def save(axes, name: str, alt: str) -> Image:
-    path = figures / f"03_models_and_costs{name}.png"
-    plots.save_figure(axes.figure, path, alt=alt)
-    return Image(path, alt=alt)
 
 
 # %% [markdown]
@@ -187,7 +177,7 @@ with plots.style():
     right.set_title("one style at run time")
     left.invert_yaxis()
 alt = "Bars of parameters for seven models: FiLM needs 39 million in training and 2,048 values for a style at run time."
-save(left, "-budget", alt)
+figure(left, figures / "03_models_and_costs-budget.png", alt)
 
 # %% [markdown]
 # FiLM has by far the largest style network and keeps the least: its output can be stored. An adapter has to be kept
@@ -206,7 +196,7 @@ with plots.style():
     axes.annotate("the paper's 95", (STYLES, 500), xytext=(-6, 0), textcoords="offset points", ha="right")
     axes.legend(ncols=2)
 alt = "Memory against the number of styles from 1 to 1000: only residual adapters grow beyond the network itself."
-save(axes, "", alt)
+figure(axes, figures / "03_models_and_costs.png", alt)
 
 # %% [markdown]
 # ## Table 2: time of a frame
@@ -253,7 +243,11 @@ with plots.style():
     axes.set_xlim(left=0)
     axes.legend(loc="upper center", bbox_to_anchor=(0.38, 1.0))
     axes.invert_yaxis()
-save(axes, "-times", "Time of a frame over PFNN one-hot's, ours and the paper's, for the seven models.")
+figure(
+    axes,
+    figures / "03_models_and_costs-times.png",
+    "Time of a frame over PFNN one-hot's, ours and the paper's, for the seven models.",
+)
 
 # %%
 measured = {name: (ratio.value, ratio.deviation) for name, ratio in share.items()}

@@ -27,6 +27,7 @@ dataset: str = "synthetic"  # data set the networks were trained on
 preset: str = "quick"  # preset of the trainings
 figures_folder: str = "build/figures"  # folder for pictures and numbers
 runs_folder: str = "build/runs"  # folder of the trained runs
+beside: str = "lpn-rollouts"  # another data set, for the same comparison where its runs are there
 
 # %%
 import numpy as np
@@ -43,6 +44,7 @@ from stylephase.report import model_plots, plots
 from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
+from stylephase.report.show import figure, table
 
 figures, rng = ROOT / figures_folder, np.random.default_rng(0)
 found = find_runs(ROOT / runs_folder, dataset, preset)
@@ -52,17 +54,6 @@ styles, first = common_styles(runs), [group[0] for group in groups.values()]
 about = runs[0].evaluation["about"]
 missing = [model for model in PAPER_2022 if model not in groups]
 seeds = {model: [run.seed for run in group] for model, group in groups.items()}
-
-
-def save(name: str, panels, alt: str) -> Image:
-    path = figures / f"05_test_error{name}.png"
-    plots.save_figure(np.ravel(panels)[0].figure, path, alt=alt)
-    return Image(path, alt=alt)
-
-
-def table(heads: tuple, rows: list) -> Markdown:
-    lines = [heads, ["---"] * len(heads), *rows] if rows else [("no runs, or no such style",)]
-    return Markdown("\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines))
 
 
 Markdown(
@@ -110,7 +101,11 @@ def bar(group: list, parts: tuple, predictor: str = "network") -> model_plots.Ba
 panels = {name: {model: bar(group, parts) for model, group in groups.items()} for name, parts in PARTS.items()}
 for name, parts in PARTS.items():
     panels[name] |= {rival: bar(first[-1:], parts, rival) for rival in ("ridge", "hold")}
-save("", model_plots.error_bars(panels), "Bars of squared error and bone length error of the seven models.")
+figure(
+    model_plots.error_bars(panels),
+    figures / "05_test_error.png",
+    "Bars of squared error and bone length error of the seven models.",
+)
 
 # %% [markdown]
 # What to look for: the blue bars (FiLM) against grey (one-hot) and warm colours (adapters), and how far a ring is from
@@ -129,7 +124,7 @@ rows = [
     )
     for k, model in enumerate(groups)
 ]
-table(("model", "sum", "sum, dropout on", *PARTS, "parameters, millions"), rows)
+table(("model", "sum", "sum, dropout on", *PARTS, "parameters, millions"), *rows)
 
 # %% [markdown]
 # ## Are the models with FiLM lowest?
@@ -158,7 +153,7 @@ def film_against_rest(predictor: str, parts: tuple):
 
 film = {name: film_against_rest(*how) for name, how in MEASURES.items()} if 0 < sum(filmed) < len(filmed) else {}
 rows = [(name, effect, f"{effect.p:.4f}") for name, effect in film.items()]
-table(("error", "least without FiLM over largest with it", "by chance"), rows) if film else Markdown(
+table(("error", "least without FiLM over largest with it", "by chance"), *rows) if film else Markdown(
     "Models are missing."
 )
 
@@ -169,7 +164,7 @@ rows = [(model, f"{effect}", f"{effect.p:.4f}") for model, effect in pairs.items
 several = [model for model, group in groups.items() if len(group) > 1]
 twins = {model: ratio(totals[model][1:2], totals[model][:1], rng) for model in several}
 rows += [(f"{model}, second seed over first", f"{twin}", f"{twin.p:.4f}") for model, twin in twins.items()]
-table(("sum of errors", f"ratio to {reference}", "by chance"), rows)
+table(("sum of errors", f"ratio to {reference}", "by chance"), *rows)
 
 # %% [markdown]
 # What to look for: a ratio counts only where it is further from 1 than two seeds of one model are. The interval over
@@ -187,7 +182,7 @@ resad = {
     for name, how in (MEASURES.items() if both else ())
 }
 rows = [(name, effect, f"{effect.p:.4f}") for name, effect in resad.items()]
-table(("error", "PFNN Resad over LPN Resad", "by chance"), rows) if both else Markdown(
+table(("error", "PFNN Resad over LPN Resad", "by chance"), *rows) if both else Markdown(
     "The two models are not both here."
 )
 
@@ -199,7 +194,7 @@ table(("error", "PFNN Resad over LPN Resad", "by chance"), rows) if both else Ma
 kinds = [kind for kind in ("onehot", "film", "resad") if {f"pfnn-{kind}", f"lpn-{kind}"} <= set(groups)]
 backbone = {kind: ratio(totals[f"pfnn-{kind}"], totals[f"lpn-{kind}"], rng) for kind in kinds}
 rows = [(f"PFNN over LPN, {kind}", effect, f"{effect.p:.4f}") for kind, effect in backbone.items()]
-table(("backbones", "ratio of the sum", "by chance"), rows)
+table(("backbones", "ratio of the sum", "by chance"), *rows)
 
 # %% [markdown]
 # ## Capacity or bias?
@@ -227,12 +222,12 @@ key = "validation_mse" if all(run.log[-1]["validation_mse"] is not None for run 
 losses = {model: np.array([[p[key] for p in run.log] for run in group]) for model, group in groups.items()}
 steps = np.array([point["step"] for point in runs[0].log])
 axes = plots.learning_curve(steps, losses, steps_are="step", loss_is="squared error (normalised, own outputs)")
-save("-curves", axes, "Validation error of all models against steps.")
+figure(axes, figures / "05_test_error-curves.png", "Validation error of all models against steps.")
 
 # %%
 slopes = {model: [still_falling(run.log, key) for run in group] for model, group in groups.items()}
 rows = [(model, ", ".join(f"{100 * slope:+.1f} %" for slope in own)) for model, own in slopes.items()]
-table(("model", "change of the error over the last fifth, by seed"), rows)
+table(("model", "change of the error over the last fifth, by seed"), *rows)
 
 # %%
 changes = np.array([np.mean(own) for own in slopes.values()])
@@ -265,7 +260,7 @@ rows = [
     (flaw, *(f"{np.nanmean(v):.3g}" for v in walks[flaw]), "all alike" if np.isnan(e.value) else f"{e}", f"{e.p:.2f}")
     for flaw, e in quality.items()
 ]
-table(("flaw", *groups, "correlation with the error", "by chance"), rows)
+table(("flaw", *groups, "correlation with the error", "by chance"), *rows)
 
 # %%
 x = dict(zip(groups, own.mean(axis=1), strict=True))
@@ -273,7 +268,7 @@ varying = [flaw for flaw, e in quality.items() if np.isfinite(e.value)]
 points = {flaw: dict(zip(groups, np.nanmean(walks[flaw], axis=1), strict=True)) for flaw in varying}
 notes = {flaw: f"rank correlation {quality[flaw].value:.2f}" for flaw in varying}
 axes = model_plots.against(x, points, x_is="error of one step", notes=notes, columns=3)
-save("-quality", axes, "Flaws of rollouts against one-step error, a point for each model.")
+figure(axes, figures / "05_test_error-quality.png", "Flaws of rollouts against one-step error, a point for each model.")
 
 # %%
 unsound = walks["not sound"].mean(axis=1)
@@ -303,14 +298,64 @@ def trade_off_picture() -> Image | Markdown:
     shown = {"error": "error of one step", "wrong code": "wrong code multiplies it by", "bones": "bones vary (%)"}
     shown |= {"recognised": "own style nearest (share)", "sound": "sound walks (share)", "skate": "feet skate (m/s)"}
     axes = model_plots.trade_off(curve["rate"], {title: curve[key] for key, title in shown.items()})
-    return save("-dropout", axes, "One-step error, use of the code and quality of walks against input dropout.")
+    return figure(
+        axes,
+        figures / "05_test_error-dropout.png",
+        "One-step error, use of the code and quality of walks against input dropout.",
+    )
 
 
 trade_off_picture()
 
 # %%
 rows = [tuple(f"{curve[key][k]:.3g}" for key in curve) for k in range(len(curve.get("rate", ())))]
-table(tuple(curve), rows) if curve else Markdown("Nothing to list.")
+table(tuple(curve), *rows) if curve else Markdown("Nothing to list.")
+
+# %% [markdown]
+# ## The same seven on generated motion
+#
+# A second set of data, with the paper's skeleton and most of its styles: walks generated by the authors' own LPN-FiLM.
+# That makes it circular: an LPN with FiLM can in principle learn it without error, and no other model need be able to.
+# So it says little about which model is best on people. What it can show is whether an order found above holds with
+# more styles and with data without noise, and how much an LPN gains where an LPN made the data.
+
+# %%
+generated = by_model(find_runs(ROOT / runs_folder, beside, preset)) if beside != dataset else {}
+shared_models = [model for model in groups if model in generated]
+made = {model: error_table(group) for model, group in generated.items()}
+rows = [
+    (model, f"{made[model].mean():.4f}", ratio(made[model], made[reference], rng), pairs.get(model, "1"))
+    for model in shared_models
+    if reference in made
+]
+table(("model", f"sum on {beside}", f"ratio to {reference} there", "ratio above"), *rows)
+
+# %%
+where_film = [MODELS[model].modulator == "film" for model in generated]
+film_made = separation(list(made.values()), where_film, rng) if 0 < sum(where_film) < len(generated) else None
+both_made = {"pfnn-resad", "lpn-resad"} <= set(made)
+resad_made = ratio(made["pfnn-resad"], made["lpn-resad"], rng) if both_made else None
+backbones = [kind for kind in ("onehot", "film") if {f"pfnn-{kind}", f"lpn-{kind}"} <= set(made)]
+circular = {kind: ratio(made[f"pfnn-{kind}"], made[f"lpn-{kind}"], rng) for kind in backbones}
+rows = [("least without FiLM over largest with it", film_made or "no runs")]
+rows += [("PFNN Resad over LPN Resad", resad_made or "no runs")]
+rows += [(f"PFNN over LPN, {kind}", effect) for kind, effect in circular.items()]
+table(("question", f"on {beside}"), *rows) if generated else Markdown("No runs on generated motion.")
+
+# %% [markdown]
+# ## In sum
+
+# %%
+gap = max((abs(twin.value - 1) for twin in twins.values()), default=float("nan"))
+sentences = [f"Models are missing: {', '.join(missing)}."] if missing else []
+if film:
+    told = "lowest" if film["sum"].low > 1 else "not clearly lowest"
+    sentences.append(f"The models with FiLM are {told}: least without over largest with {film['sum']}.")
+sentences.append(f"The lowest error is that of {lowest}; two seeds of one model differ by up to {100 * gap:.0f} %.")
+if resad:
+    sentences.append(f"PFNN Resad has {resad['sum']} times the error of LPN Resad.")
+sentences.append(f"The order by error is {'not ' if does_not_rank else ''}that by sound walks.")
+Markdown(" ".join(sentences))
 
 # %% [markdown]
 # ## The record
@@ -320,8 +365,10 @@ recorder = Recorder(
     "05_test_error",
     dataset=dataset,
     preset=preset,
-    params={"runs_folder": runs_folder},
-    data_files=[run.file for run in varied + [run for run in runs if run not in varied]],
+    params={"runs_folder": runs_folder, "beside": beside},
+    data_files=[
+        run.file for run in dict.fromkeys([*varied, *runs, *(run for own in generated.values() for run in own)])
+    ],
 )
 known = {"n": len(styles), "seeds": sorted({run.seed for run in runs})}
 lacking = f"runs of {', '.join(missing)}"
@@ -369,6 +416,11 @@ if dataset == "bandai-namco":
 for model in groups:
     recorder.number(f"error {model}", mean_with_interval(totals[model], rng), "normalised, squared, plus m")
     recorder.number(f"change over the last fifth, {model}", [s for s in slopes[model] if np.isfinite(s)], "share")
+for model, values in made.items():
+    recorder.number(f"error {model} on {beside}", mean_with_interval(values, rng), "normalised, squared, plus m")
+for name, effect in [("FiLM", film_made), ("PFNN Resad", resad_made)]:
+    if effect is not None:
+        recorder.number(f"{name} on {beside}", effect.interval, "ratio")
 for name in curve:
     recorder.number(f"input dropout, {name}", curve[name])
 recorder.write(figures_folder)

@@ -47,12 +47,13 @@ from stylephase.evaluation.runs import Run, by_model, find_runs
 from stylephase.evaluation.walked import Recorded, Walked, recordings, walk_all
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
-from stylephase.report import model_plots, plots
+from stylephase.report import model_plots
 from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, grid
+from stylephase.report.show import figure, table
 from stylephase.report.walks import data_walk, walking_motion
 
 figures, rng = ROOT / figures_folder, np.random.default_rng(0)
@@ -91,17 +92,6 @@ def walked_by(first: dict[str, Run], data: Recorded, models: tuple[str, ...]) ->
     return {model: walk_all(first[model], data) for model in models if model in first}
 
 
-def save(name: str, panels, alt: str) -> Image:
-    path = figures / f"06_failure_cases-{name}.png"
-    plots.save_figure(np.ravel(panels)[0].figure, path, alt=alt)
-    return Image(path, alt=alt)
-
-
-def table(heads: tuple, rows: list) -> Markdown:
-    lines = [heads, ["---"] * len(heads), *rows] if rows else [("no runs, or no such style",)]
-    return Markdown("\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines))
-
-
 main = open_case(dataset, preset, tuple(dict.fromkeys(FILM + MODULATED)))
 # The styles whose truth is known are the synthetic walker's: where its runs are there, they are a second case.
 known = dataset != "synthetic" and "lpn-film" in first_runs("synthetic", "quick")
@@ -130,7 +120,7 @@ def hands_row(case: Case, style: str) -> tuple:
 
 
 heads = ("style", "hands move cm", "tied to the steps", "null", "hands Hz", "steps Hz", "")
-table(heads, [hands_row(case, style) for case in cases for style in case.data.walks])
+table(heads, *[hands_row(case, style) for case in cases for style in case.data.walks])
 
 # %% [markdown]
 # ## Figures 5 and 9: hands that are stuck
@@ -155,7 +145,7 @@ def hand_cells(case: Case, model: str) -> tuple:
 
 
 heads = ("data", "model", "one step off mm", "amplitude ratio, median", "stuck hands", "mean place off cm")
-table(heads, [hand_cells(case, model) for case in cases for model in FILM if model in case.walked])
+table(heads, *[hand_cells(case, model) for case in cases for model in FILM if model in case.walked])
 
 
 # %%
@@ -172,7 +162,11 @@ marks = [(1.0, "as in the data"), (main.data.stuck_below, "stuck below")]
 axes = model_plots.ratios(
     ratios_by_model(main), quantity=f"amplitude of each hand over the data's, {dataset}", marks=marks
 )
-save("hands", axes, "Amplitude ratio of the hands in all styles under three backbones with FiLM.")
+figure(
+    axes,
+    figures / "06_failure_cases-hands.png",
+    "Amplitude ratio of the hands in all styles under three backbones with FiLM.",
+)
 
 # %% [markdown]
 # ### The style that is freest of its steps
@@ -210,7 +204,7 @@ rows = [
     (*key, *(f"{v.mean():.2f} ({v.min():.2f} to {v.max():.2f})" for v in found.values()), f"{len(found['amplitude'])}")
     for key, found in measured.items()
 ]
-table(("data", "style", "model", *KINDS, "finite walks"), rows)
+table(("data", "style", "model", *KINDS, "finite walks"), *rows)
 
 
 # %%
@@ -226,7 +220,7 @@ compared = {key: found for key in rivals if (found := against_lpn(*key))}
 rows = [
     (*key, *(f"{effect}, by chance {effect.p:.3f}" for effect in found.values())) for key, found in compared.items()
 ]
-table(("data", "style", "LPN FiLM less", *KINDS), rows)
+table(("data", "style", "LPN FiLM less", *KINDS), *rows)
 
 
 # %% [markdown]
@@ -246,7 +240,7 @@ for case in cases:
         others = {"held still": still, "shuffled in time": shuffled, f"hands of {tame}": case.data.walks[tame]}
         for name, walks in (others | {"as recorded": [walk]}).items():
             nulls.append((case.name, style, name, *(f"{v.mean():.2f}" for v in measures(case, style, walks).values())))
-table(("data", "style", "null", *KINDS), nulls)
+table(("data", "style", "null", *KINDS), *nulls)
 
 
 # %%
@@ -263,7 +257,11 @@ curves |= {
     if model in first_case.walked and shown in first_case.walked[model].walks
 }
 axes = model_plots.curves(curves, fps=FPS, quantity="hand before the hips (m)")
-save("curves", axes, f"How far the hands of {shown} are before the hips, in the data and under three backbones.")
+figure(
+    axes,
+    figures / "06_failure_cases-curves.png",
+    f"How far the hands of {shown} are before the hips, in the data and under three backbones.",
+)
 
 
 # %%
@@ -316,7 +314,7 @@ for case in cases:
         other = next(s for s in case.data.walks if s not in hops(case))
         used[case.name, style, f"null: {other}"] = foot_use(case.data.walks[other], case.data.body.layout)
 heads = ("data", "style", "who", "in contact, right / left", "touchdowns a second", "right toe above left cm")
-table(heads, [feet_row(*key, use) for key, use in used.items()])
+table(heads, *[feet_row(*key, use) for key, use in used.items()])
 
 # %% [markdown]
 # ### What phases from contacts alone would give
@@ -355,7 +353,7 @@ rows = [
     (name, *(f"{v.mean():.2f} ({v.min():.2f} to {v.max():.2f})" for v in found.values()))
     for name, found in swings.items()
 ]
-table(("phases", "amplitude of the raised foot over the data's", "tied to the hop"), rows)
+table(("phases", "amplitude of the raised foot over the data's", "tied to the hop"), *rows)
 
 # %%
 swing_effect = {}
@@ -363,7 +361,7 @@ if swings and len({len(found["tied"]) for name, found in swings.items() if name 
     both = (swings["contact-free"], swings["contacts alone"])
     swing_effect = {kind: difference(-abs(both[0][kind] - 1), -abs(both[1][kind] - 1), rng) for kind in both[0]}
 rows = [(kind, f"{effect}", f"{effect.p:.3f}") for kind, effect in swing_effect.items()]
-table(("nearer to 1 with contact-free phases by", "difference", "by chance"), rows)
+table(("nearer to 1 with contact-free phases by", "difference", "by chance"), *rows)
 
 
 # %%
@@ -416,7 +414,7 @@ rows += [
     )
     for model, found in angles.items()
 ]
-table(("model", "collar bones off, degrees", "more than lpn-film", "length off mm"), rows)
+table(("model", "collar bones off, degrees", "more than lpn-film", "length off mm"), *rows)
 
 # %% [markdown]
 # The style whose collar bones point furthest from the mean over styles stands for Arms Above Head where the data lack
@@ -432,7 +430,7 @@ rows = [
     (model, f"{found.mean():.2f}", f"{difference(found, lifted['lpn-film'], rng)}" if len(found) == starts else "")
     for model, found in lifted.items()
 ]
-table((f"{unusual}", "collar bones off, degrees", "more than lpn-film"), rows)
+table((f"{unusual}", "collar bones off, degrees", "more than lpn-film"), *rows)
 
 # %%
 roles = main.data.collar_joints
@@ -462,12 +460,12 @@ def flaw_differences(model: Run, film: Run) -> dict:
 
 capacity = {pair: flaw_differences(*(main.first[name] for name in pair)) for pair in pairs}
 rows = [(flaw, *(f"{capacity[pair].get(flaw, '')}" for pair in pairs)) for flaw in flaws([main.first["lpn-film"]])]
-table(("flaw", *(f"{model} less {film}" for model, film in pairs)), rows)
+table(("flaw", *(f"{model} less {film}" for model, film in pairs)), *rows)
 
 # %%
 wrong = {model: flaws([run])["another style is nearer"][0] for model, run in main.first.items()}
 rows = [(model, f"{found.sum():.0f} of {len(found)}") for model, found in wrong.items()]
-table(("model", "walks nearer to another style"), rows)
+table(("model", "walks nearer to another style"), *rows)
 
 # %% [markdown]
 # ## The record

@@ -53,10 +53,10 @@ from stylephase.models.released import release_bundle
 from stylephase.report import plots
 from stylephase.report.blends import along_motion, along_plot, triangle_plot
 from stylephase.report.manifest import ROOT
-from stylephase.report.new_styles import markdown_table
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, grid
+from stylephase.report.show import markdown_table
 from stylephase.report.walks import pick
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out

@@ -48,10 +48,11 @@ from stylephase.models.bundle import load_bundle
 from stylephase.models.zoo import build, widths_of
 from stylephase.report import plots
 from stylephase.report.manifest import ROOT
-from stylephase.report.new_styles import code_maps, markdown_table
+from stylephase.report.new_styles import code_maps
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, grid
+from stylephase.report.show import markdown_table
 from stylephase.report.walks import data_walk, walking_motion
 from stylephase.runtime.calibration import calibrate
 from stylephase.runtime.plans import Steady

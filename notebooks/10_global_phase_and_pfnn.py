@@ -17,7 +17,7 @@ figures_folder: str = "build/figures"  # folder for pictures and numbers
 # %%
 import numpy as np
 import torch
-from IPython.display import Image, Markdown
+from IPython.display import Markdown
 from matplotlib.figure import Figure
 
 from stylephase.data.archive import fetch
@@ -49,6 +49,7 @@ from stylephase.report import palette, plots
 from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
+from stylephase.report.show import figure, table
 
 TURN = 2 * np.pi
 figures = ROOT / figures_folder
@@ -57,17 +58,6 @@ recorder = Recorder(
     "10_global_phase_and_pfnn", dataset=dataset, preset=preset, params={}, data_files=[DATA / "registry.toml"]
 )
 LEFT_OUT = Markdown(f"*Left out on `{dataset}`: this part needs the data set `pfnn`.*")
-
-
-def table(*rows) -> Markdown:
-    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    return Markdown("\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]))
-
-
-def save(axes, name: str, alt: str) -> Image:
-    path = figures / f"10_global_phase_and_pfnn-{name}.png"
-    plots.save_figure(axes.figure, path, alt=alt)
-    return Image(path, alt=alt)
 
 
 # %% [markdown]
@@ -102,8 +92,10 @@ with plots.style():
     axes.annotate("point 0", (TURN, 1.04), color=palette.SEQUENCE[0], ha="right", weight="bold")
     axes.set(xlabel="phase (rad)", ylabel="coefficient (no unit)", ylim=(-0.16, 1.18), xlim=(0, TURN))
     axes.set_xticks(np.arange(5) * np.pi / 2, ["0\nright foot down", "π/2", "π\nleft foot down", "3π/2", "2π"])
-save(
-    axes, "spline", "The four coefficients of Equation 1 against the phase: each is 1 at its own quarter of the cycle."
+figure(
+    axes,
+    figures / "10_global_phase_and_pfnn-spline.png",
+    "The four coefficients of Equation 1 against the phase: each is 1 at its own quarter of the cycle.",
 )
 
 # %% [markdown]
@@ -201,7 +193,11 @@ with plots.style():
     axes.set(xlabel="distance from the walker's own phase, median (cycles)", ylabel="style", xlim=(0, None))
     axes.invert_yaxis()
     axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=5)
-save(axes, "walker", "Median distance from the walker's own global phase for each style and four ways to read it.")
+figure(
+    axes,
+    figures / "10_global_phase_and_pfnn-walker.png",
+    "Median distance from the walker's own global phase for each style and four ways to read it.",
+)
 
 # %%
 largest = {how: max(walker[name][how].median for name in walker) for how in HOWS}
@@ -311,7 +307,7 @@ if labelled:
         above.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)
         below.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, fontsize=8)
     alt = f"Toe speeds of {name} with contacts, and below the phase as labelled twice, from contacts and fitted."
-    shown = save(above, "labels", alt)
+    shown = figure(above, figures / "10_global_phase_and_pfnn-labels.png", alt)
 shown
 
 # %% [markdown]
@@ -378,7 +374,7 @@ if labelled:
         axes.set(xlabel="time from the label (s)", ylabel="toe speed (m/s)", yscale="log", xlim=(-0.4, 0.3))
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize=8)
     alt = "Toe speed around labelled contacts: at the labels of the takes it just sinks under 0.02 m/s."
-    shown = save(axes, "offset", alt)
+    shown = figure(axes, figures / "10_global_phase_and_pfnn-offset.png", alt)
 shown
 
 # %% [markdown]

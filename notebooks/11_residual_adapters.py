@@ -45,15 +45,11 @@ from stylephase.report import palette, plots
 from stylephase.report.claims import DIFFERS, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
+from stylephase.report.show import table
 
 figures = ROOT / figures_folder
 recorder = Recorder("11_residual_adapters", dataset=dataset, preset=preset, params={})
 KINDS = {"full": "full", "diag": "diagonal", "cp": "cp"}
-
-
-def table(*rows) -> Markdown:
-    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    return Markdown("\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]))
 
 
 def judge(identifier: str, holds: bool, note: str = "", **measured) -> str:

@@ -21,6 +21,7 @@ note = "notebook " + words[3] if notebook else " ".join(words[:2] if words[0] ==
 if note == "train":
     checkpoint = pathlib.Path(words[words.index("--out") + 1], "checkpoint")
     note += " resumed" if checkpoint.exists() else ""
+    note += " without" if "--without" in words else ""
     checkpoint.touch()
 if note == "train" and pathlib.Path("slow").exists():
     pathlib.Path("slow").unlink()
@@ -96,7 +97,18 @@ def test_notebooks_get_the_trainings_that_they_alone_need(tree):
     evaluated = {path.parent.name for path in (tree / "build/runs").glob("*/evaluation.json")}
     film, onehot, without = (f"synthetic-quick-{run}-seed0" for run in ("lpn-film", "lpn-onehot", "lpn-film-heldout"))
     assert runs.keys() >= {film, onehot, without} and evaluated >= {film, onehot} and without not in evaluated
-    assert calls.count("train") == len(runs) and calls.count("evaluate") == len(evaluated)
+    assert (
+        calls.count("train") == len(runs) - 1
+        and calls.count("train without") == 1
+        and calls.count("evaluate") == len(evaluated)
+    )
+
+
+def test_of_a_hundred_styles_no_model_sees_those_kept_back_so_one_run_serves_both(tree):
+    for name in ("05_test_error", "08_new_styles"):
+        (tree / f"notebooks/{name}.py").write_text(name)
+    calls = _run(tree, "dataset=lpn-rollouts", "models=lpn-film,pfnn-film")
+    assert [call for call in calls if call.startswith("train")] == ["train without"] * 2
 
 
 def test_an_interrupted_run_goes_on(tree):

@@ -41,12 +41,3 @@ def _draw(axes: Axes, places: Float[ndarray, "clips 2"], labels: ndarray, new: S
         )
     for name, (colour, marker) in zip(new, _NEW * len(new), strict=False):
         axes.scatter(*places[labels == name].T, s=16, color=colour, marker=marker, linewidths=0, label=name)
-
-
-def markdown_table(heads: Sequence[str], rows: Mapping[str, Sequence[float | str]]) -> str:
-    """A Markdown table of named rows; numbers with three digits."""
-    lines = ["| | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
-    for name, cells in rows.items():
-        told = [cell if isinstance(cell, str) else f"{cell:.3g}" for cell in cells]
-        lines.append(f"| {name} | " + " | ".join(told) + " |")
-    return "\n".join(lines)

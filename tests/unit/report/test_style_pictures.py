@@ -5,7 +5,8 @@ import tiny_walker as tiny
 
 from stylephase.evaluation.interpolation import SHARES, blend_of
 from stylephase.report.blends import along_motion, along_plot, triangle_plot
-from stylephase.report.new_styles import code_maps, markdown_table
+from stylephase.report.new_styles import code_maps
+from stylephase.report.show import markdown_table
 from stylephase.runtime.rollout import Rollout
 
 
