@@ -189,6 +189,29 @@ alt = "Strips of data and generated walking for some styles, one and a half seco
 write_png(figures / "04_training-strips.png", grid(cycle, Layout(frames=7, scale=70)), alt=alt)
 Image(figures / "04_training-strips.png", alt=alt)
 
+# %% [markdown]
+# All styles, as the character leaves the program without any correction, a third of a second between poses.
+
+# %%
+all_walks = results[0]["rollouts"]["walks"]
+every = [store.load(walk["style"]) for walk in all_walks]
+own_gains = np.array([walk["gain"] for walk in all_walks])
+together = roll_out(bundle, codes_of(bundle, every), start_of(every, bundle.body), int(6 * FPS), Steady(own_gains))
+alive = [k for k in range(len(every)) if together.finite[k]]
+strips = [walking_motion(together, k, bundle.body, every[k].style) for k in alive]
+last = [motion.frames(len(motion) - 100, len(motion)) for motion in strips]
+alt = "Strips of generated walking in every style, five poses each."
+write_png(figures / "04_training-styles.png", grid(last, Layout(frames=5, scale=44)), alt=alt)
+Image(figures / "04_training-styles.png", alt=alt)
+
+# %%
+lame = [w["style"] for w in all_walks if not (w["finite"] and w["alternate"] and 0.75 <= w["speed_ratio"] <= 1.25)]
+strayed = [f"{w['style']} (nearest {w['nearest']})" for w in all_walks if w["nearest"] != w["style"]]
+Markdown(
+    f"Styles that do not walk, or not within a quarter of their data's speed: {', '.join(lame) or 'none'}. Styles that "
+    f"another one is nearest to: {', '.join(strayed) or 'none'}."
+)
+
 # %%
 turned = roll_out(
     bundle, codes_of(bundle, shown), start_of(shown, bundle.body), int(4 * FPS), TurnOnce(gains, np.pi / 2, 60)
@@ -225,4 +248,5 @@ if dataset == "bandai-namco":
     recorder.claim("ours-rollout-old-walks-old", verdict="reproduced", note=notes["ours-rollout-old-walks-old"])
     for identifier, value in values.items():
         recorder.claim(identifier, value=value, n=len(bundle.styles), seeds=seeds, note=notes.get(identifier, ""))
+recorder.number("styles that do not walk", len(lame), ", ".join(lame))
 recorder.write(figures_folder)

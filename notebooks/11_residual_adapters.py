@@ -26,6 +26,8 @@ preset: str = "quick"  # preset of the run, without effect here
 figures_folder: str = "build/figures"  # folder for pictures and numbers
 
 # %%
+import inspect
+
 import numpy as np
 import torch
 from IPython.display import Image, Markdown
@@ -33,19 +35,21 @@ from matplotlib.figure import Figure
 from torch.nn import functional
 
 from stylephase.evaluation.bench.models import frame_times
-from stylephase.evaluation.budget.paper_2018 import PHASES, shares, table_1
-from stylephase.evaluation.budget.rows import built, parameters
+from stylephase.evaluation.budget.paper_2018 import shares, table_1
+from stylephase.evaluation.budget.rows import parameters
 from stylephase.models.adapters import CpLayer
 from stylephase.models.experts import ExpertLayer
 from stylephase.models.modulators import Adapters
-from stylephase.models.pfnn import RANK, adapters
+from stylephase.models.pfnn import adapters
 from stylephase.models.spline import catmull_rom
-from stylephase.models.zoo import PAPER_2018, WIDTHS_2018, Widths
+from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.zoo import PAPER_2018, WIDTHS_2018, Widths, build
 from stylephase.report import palette, plots
 from stylephase.report.claims import DIFFERS, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 from stylephase.report.show import table
+from stylephase.runtime.phases import StoredPfnn
 
 figures = ROOT / figures_folder
 recorder = Recorder("11_residual_adapters", dataset=dataset, preset=preset, params={})
@@ -176,26 +180,59 @@ speed_up = holden["pfnn"][0] / holden["cp-pfnn"][0]
 Markdown(f"decomposed in whole: {speed_up:.1f} times as fast")
 
 # %% [markdown]
+# ## The network of Fig. 4
+#
+# Checks on the module that is trained, with eight base styles: which hidden layers change with the style alone, what
+# has to be told for a frame, which parameters of an adapter a gradient reaches, and how many sets of weights a thousand
+# phases around the circle are run with.
+
+# %%
+base = build("pfnn-cp", WIDTHS_2018, 8, NetworkSettings())
+cp, network = base.synthesis.modulator, base.synthesis.eval()
+h, gate = torch.randn(1000, 512), catmull_rom(torch.rand(1000) * 6.28)
+one, two = torch.eye(8)[:2, None].expand(-1, 1000, -1)
+changed = [float((cp(n, h, h, gate, one) - cp(n, h, h, gate, two)).detach().abs().max()) for n in (0, 1)]
+asked = list(inspect.signature(network.forward).parameters)
+cp(1, h, h, gate, one).sum().backward()
+learned = {name for name, parameter in cp.adapters[0].named_parameters() if parameter.grad is not None}
+ranks = sorted({len(adapter.d[0]) for adapter in cp.adapters})
+with torch.no_grad():
+    stored, frame = StoredPfnn(network), torch.randn(1, WIDTHS_2018.inputs)
+    around = torch.cat([stored(frame, phase, one[:1]) for phase in np.linspace(0, 6.28, 1000)])
+steps = len(torch.unique(around, dim=0))
+table(
+    ("check", "found"),
+    ("change of hidden layer 1 and 2 with the style", changed),
+    ("told for a frame", asked),
+    ("reached by a gradient", sorted(learned)),
+    ("rank of the adapters", ranks),
+    ("sets of weights around the circle", steps),
+)
+
+# %% [markdown]
 # ## What was recorded
 
 # %%
-base, cp = built("pfnn", WIDTHS_2018, 0), built("pfnn-cp", WIDTHS_2018, 8).synthesis.modulator
 judge("m18-eq2-parallel-adapter", beside_off < 1e-12, "against weights added to the layer's own", value=beside_off)
 judge("m18-eq4-network", isinstance(cp, Adapters) and zero_off == 0, "and with adapters at zero, the shared network")
-judge("m18-fig3-adapter", True, "as the module Adapters, tested against added weights")
-judge("m18-fig4-overview", True, "as the module Pfnn with one decomposed adapter per style")
+judge(
+    "m18-fig3-adapter", beside_off < 1e-12 and zero_off == 0, "the module Adapters against added weights, and at zero"
+)
+holds = changed[0] == 0 < changed[1] and len(cp.adapters) == 8
+judge("m18-fig4-overview", holds, "of the hidden layers the second alone changes with the style", value=changed)
 norms = [m for m in base.modules() if "Norm" in type(m).__name__]
 judge("m18-no-batch-norm", not norms, value=len(norms))
 full, trained, stored, *decomposed = text
 judge("m18-full-adapter-share", full.verdict == REPRODUCED, value=round(full.counted, 2))
 judge("m18-eq6-cp", cp_off < 1e-12, "against the full matrices of its control points", value=cp_off)
-judge("m18-cp-rank", cp.adapters[0].d.shape[1] == RANK == 30, value=cp.adapters[0].d.shape[1])
+judge("m18-cp-rank", ranks == [30], "of the matrices of base styles' adapters", value=ranks[0])
 sized = of_rank == by_sum and max(of_rank.values()) > 50 * min(of_rank.values())
 note = f"parameters of rank {min(RANKS)} and {max(RANKS)}; whether more data need more is left to the training"
 judge("m18-adjustable-size", sized, note, value=[of_rank[n] for n in (min(RANKS), max(RANKS))], n=len(RANKS))
 judge("m18-cp-share-training", trained.verdict == REPRODUCED, trained.note, value=round(trained.counted, 2))
 judge("m18-cp-share-runtime", stored.verdict == REPRODUCED, stored.note, value=round(stored.counted, 3))
-judge("m18-phase-steps", PHASES == 50, value=PHASES)
+note = "weight sets that a frame is run with, of 1000 phases around the circle"
+judge("m18-phase-steps", steps == 50, note, value=steps)
 note = f"{decomposed[0].note}; {decomposed[1].note}"
 judge("m18-cp-whole-network-size", False, note, value=[round(row.counted, 2) for row in decomposed])
 judge(
@@ -205,7 +242,7 @@ judge(
     value=round(speed_up, 1),
     n=5,
 )
-judge("m18-cp-learned-directly", True, "the factors are the module's parameters")
+judge("m18-cp-learned-directly", learned == {"a", "b", "d", "bias"}, "what a gradient reaches", value=len(learned))
 judge("m18-cp-phase-only-diagonal", points["a"][0] == 32 and points["d"][0] == 4, "the bias has control points too")
 for kind, (few, many) in zip(KINDS, zip(memory[0::2], memory[1::2], strict=True), strict=True):
     holds = few.verdict == many.verdict == REPRODUCED
@@ -223,8 +260,10 @@ ratios = [round(slower[name], 2) for name in ("pfnn-full", "pfnn-cp")]
 note = f"in order of time: {', '.join(order)}; times over the diagonal's, full and decomposed"
 judge("m18-fewest-parameters-fastest", order == ["pfnn-diag", "pfnn-cp", "pfnn-full"], note, value=ratios)
 many = round(memory[1].counted * 100 / 1024, 2)
-judge("m18-memory-grows-linearly", True, "GiB of a hundred full adapters at 50 phases", value=many)
-judge("m18-no-reference-at-runtime", True, "a frame is computed from the last frame, the phase and an adapter")
+grown = [parameters(adapters("full", n, 512)) for n in (1, 2, 4)]
+linear = grown == [grown[0] * n for n in (1, 2, 4)]
+judge("m18-memory-grows-linearly", linear, "GiB of a hundred full adapters at 50 phases", value=many)
+judge("m18-no-reference-at-runtime", asked == ["x", "gate_input", "code"], f"a frame asks for {', '.join(asked)} alone")
 table(
     ("claim", "value", "verdict", "note"),
     *((r.name, "" if r.value is None else r.value, r.verdict, r.note) for r in recorder.record.results),
