@@ -126,12 +126,12 @@ def _arms(reference: Reference) -> list[int]:
 
 # Each damage with its degrees and their unit. The first degree is none.
 DAMAGES: dict[str, tuple[Damage, tuple[float, ...], str]] = {
-    "smoothing": (smoothing, (0, 1, 2, 4, 8), "frames"),
-    "jitter": (jitter, (0, 0.001, 0.002, 0.004, 0.008), "m"),
-    "stuck arms": (stuck_arms, (0, 0.25, 0.5, 0.75, 1), "share"),
-    "wrong style": (wrong_style, (0, 0.25, 0.5, 0.75, 1), "share"),
-    "tempo": (tempo, (0, 0.1, 0.2, 0.35, 0.5), "share"),
-    "looping": (looping, (0, 0.25, 0.5, 0.75, 1), "share"),
-    "sliding": (sliding, (0, 0.1, 0.2, 0.4, 0.8), "m/s"),
-    "sinking": (sinking, (0, 0.01, 0.02, 0.04, 0.08), "m"),
+    "smoothing": (smoothing, (0.0, 1.0, 2.0, 4.0, 8.0), "frames"),
+    "jitter": (jitter, (0.0, 0.001, 0.002, 0.004, 0.008), "m"),
+    "stuck arms": (stuck_arms, (0.0, 0.25, 0.5, 0.75, 1.0), "share"),
+    "wrong style": (wrong_style, (0.0, 0.25, 0.5, 0.75, 1.0), "share"),
+    "tempo": (tempo, (0.0, 0.1, 0.2, 0.35, 0.5), "share"),
+    "looping": (looping, (0.0, 0.25, 0.5, 0.75, 1.0), "share"),
+    "sliding": (sliding, (0.0, 0.1, 0.2, 0.4, 0.8), "m/s"),
+    "sinking": (sinking, (0.0, 0.01, 0.02, 0.04, 0.08), "m"),
 }
