@@ -98,10 +98,11 @@ def spectrum(reference: Reference, style: str, walks: Sequence[Stretch]) -> floa
 
 def detail(reference: Reference, style: str, walks: Sequence[Stretch]) -> float:
     """Detail lost or made up ([M18] 9.3): log ratio, without sign, of the share of velocity power above 5 Hz."""
-    return _log_ratio(*(_fast(some) for some in (walks, reference.walks[style])))
+    return _log_ratio(*(fast_share(some) for some in (walks, reference.walks[style])))
 
 
-def _fast(walks: Sequence[Stretch]) -> float:
+def fast_share(walks: Sequence[Stretch]) -> float:
+    """The share of the power of the joints' velocities above 5 Hz."""
     frequencies, power = _power(walks, _VELOCITY)
     return float(power[frequencies > _DETAIL].sum() / (power.sum() + _LEAST))
 
@@ -182,3 +183,14 @@ MEASURES: dict[str, tuple[Measure, str, tuple[str, ...]]] = {
     "sunk": (sunk, "mm", ("sinking",)),
     "bones": (bones, "mm", ("jitter",)),
 }
+
+
+def measured(
+    reference: Reference, walks: Mapping[str, Sequence[Stretch]], styles: Sequence[str], names: Sequence[str]
+) -> dict[str, Float[ndarray, " styles"]]:
+    """Some measures of the walks of each style; NaN where a style has no walk that lasts a window."""
+    usable = {style: [walk for walk in walks.get(style, ()) if len(walk) >= WINDOW] for style in styles}
+    return {
+        name: np.array([MEASURES[name][0](reference, s, usable[s]) if usable[s] else np.nan for s in styles])
+        for name in names
+    }

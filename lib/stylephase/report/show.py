@@ -22,7 +22,7 @@ def table(heads: tuple[object, ...], *rows: tuple[object, ...]) -> Markdown:
 
 def figure(panels: Panels, path: Path, alt: str) -> Image:
     """Write the figure of some panels as PNG, with its description, and show it."""
-    plots.save_figure(np.ravel(panels)[0].figure, path, alt=alt)
+    plots.save_figure(np.ravel(np.array([panels], dtype=object))[0].figure, path, alt=alt)
     return Image(path, alt=alt)
 
 
