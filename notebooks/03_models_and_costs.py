@@ -44,10 +44,11 @@ from stylephase.evaluation.budget.paper_2022 import PUBLISHED, STYLES, counts_of
 from stylephase.evaluation.budget.rows import built, parameters
 from stylephase.evaluation.release import compare, made_golden
 from stylephase.evaluation.release_walks import release_walks
+from stylephase.models.generator import FilmGenerator, GeneratorSettings
 from stylephase.models.modulators import Film
 from stylephase.models.pfnn import Pfnn
 from stylephase.models.released import fetch_released, release_bundle
-from stylephase.models.synthesis import NetworkSettings
+from stylephase.models.synthesis import NetworkSettings, StyledNetwork
 from stylephase.models.zoo import PAPER_2022, build_synthesis, widths_of
 from stylephase.report import palette, plots
 from stylephase.report.claims import DIFFERS, REPRODUCED
@@ -115,8 +116,37 @@ blend_off = float((layer(x, gate) - blended).abs().max().detach())
 f, (scale, shift) = blended, code.chunk(4, dim=1)[:2]
 by_hand = functional.elu(scale * (f - f.mean(1, keepdim=True)) / f.std(1, keepdim=True, correction=0) + shift)
 film_off = float((synthesis.modulator(0, f, x, gate, code) - by_hand).abs().max().detach())
-assert blend_off < 1e-10 and film_off < 1e-6
-Markdown(f"largest differences: blend {blend_off:.1e}, Eq. 3 {film_off:.1e}")
+clip, other = torch.randn(2, 5, 240, 300, dtype=torch.float64)
+generator = FilmGenerator(300, small.units, GeneratorSettings(filters=8, kernel=5, hidden=16))
+whole = StyledNetwork(synthesis, generator).double().eval()
+with torch.no_grad():
+    parts = synthesis(x, p, whole.generator(clip))
+    whole_off, other_off = (float((whole(x, p, some) - parts).abs().max()) for some in (clip, other))
+assert blend_off < 1e-10 and film_off < 1e-6 and whole_off == 0 < other_off
+Markdown(
+    f"largest differences: blend {blend_off:.1e}, Eq. 3 {film_off:.1e}, Eq. 4 in one call or part by part "
+    f"{whole_off:.1e} ({other_off:.1e} with another clip)"
+)
+
+# %% [markdown]
+# > One-hot and residual adapters change one layer; FiLM changes all of them ([M22] 5.1.2).
+#
+# The hidden layers whose output changes when only the style does, their inputs held fixed:
+
+
+# %%
+def styled_layers(name: str) -> list[int]:
+    network = build_synthesis(name, WIDTHS[name], 3, small).eval()
+    h, gate = torch.randn(5, small.units), network.gating(torch.rand(5, WIDTHS[name].gate))
+    one, two = torch.randn(2, 5, network.modulator.values)
+    changed = (
+        network.modulator(layer, h, h, gate, one) - network.modulator(layer, h, h, gate, two) for layer in (0, 1)
+    )
+    return [layer + 1 for layer, change in enumerate(changed) if change.abs().max() > 0]
+
+
+styled = {name: styled_layers(name) for name in PAPER_2022}
+table(("model", "hidden layers that the style changes"), *styled.items())
 
 # %% [markdown]
 # ## Eq. 6: a style is a change of weights
@@ -354,12 +384,15 @@ recorder.claim("ours-bench-tick", value=rows["next frame, whole tick"].ours, not
 eight = rows["next frame, network alone, weights of 8 bits"]
 recorder.claim("ours-bench-eight-bits", value=eight.ratio, note=eight.note)
 recorder.claim("ours-bench-batch", value=rows["next frame of 64 characters, two threads, each"].ours)
-judge("m22-fig3-overview", True, "as modules, which the table of parts lists")
+named = [name for name, _ in film.named_children()] + [name for name, _ in film.synthesis.named_children()]
+holds = {"generator", "gating", "layers", "modulator"} <= set(named) and styled["lpn-film"] == [1, 2]
+judge("m22-fig3-overview", holds, "the parts as modules; FiLM stands after both hidden layers", value=", ".join(named))
 judge("m22-gating-blends-weights", blend_off < 1e-10, "blending outputs instead, in one product", value=blend_off)
 judge("m22-eq2-film-parameters", film.synthesis.modulator.values == 4 * 512, value=film.synthesis.modulator.values)
 note = "the printed features are taken as the scale; the deviation is the population's"
 judge("m22-eq3-conditional-normalisation", film_off < 1e-6, note, value=film_off)
-judge("m22-eq4-whole-model", True, "StyledNetwork.forward(frame, phases, clip)")
+note = f"in one call or part by part; with another clip {other_off:.1e}"
+judge("m22-eq4-whole-model", whole_off == 0 < other_off, note, value=whole_off)
 hidden = [len(film.synthesis.layers), film.synthesis.layers[1].weight.shape[2]]
 judge("m22-arch-hidden", hidden == [3, 512], value=hidden)
 gates = [len(gating), gating[0][0], gating[-1][0]]
@@ -368,11 +401,9 @@ judge("m22-arch-experts", film.synthesis.layers[0].weight.shape[0] == 8, value=f
 found = [len(convolutions), convolutions[0][1], convolutions[0][0], 2]
 judge("m22-arch-generator-convolutions", found == [2, 256, 25, 2], value=found)
 judge("m22-arch-generator-dense", dense == [2048, 2048], value=[len(dense), dense[0]])
-judge(
-    "m22-one-layer-against-all",
-    True,
-    "one-hot shifts the first layer, adapters the second, FiLM scales and shifts both",
-)
+found = {PAPER_2022[name].modulator: layers for name, layers in styled.items()}
+holds = found == {"onehot": [1], "cp-one-bias": [2], "static": [2], "film": [1, 2]}
+judge("m22-one-layer-against-all", holds, f"hidden layers that the style changes: {found}", value=holds)
 traffic = "eight experts go by what memory gives, which they share with whatever else runs"
 extra = ", ".join(
     f"{1000 * film_costs[b]:.0f} µs ({b}; in print {1000 * film_costs_printed[b]:.0f})" for b in film_costs

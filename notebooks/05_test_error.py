@@ -354,7 +354,8 @@ if film:
 sentences.append(f"The lowest error is that of {lowest}; two seeds of one model differ by up to {100 * gap:.0f} %.")
 if resad:
     sentences.append(f"PFNN Resad has {resad['sum']} times the error of LPN Resad.")
-sentences.append(f"The order by error is {'not ' if does_not_rank else ''}that by sound walks.")
+agreement = f"rank correlation of error and unsound walks {quality['not sound']}"
+sentences.append(f"The most sound walks are those of {soundest} ({agreement}).")
 Markdown(" ".join(sentences))
 
 # %% [markdown]

@@ -52,7 +52,7 @@ from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
-from stylephase.report.render import Layout, grid
+from stylephase.report.render import Layout, grid, movie
 from stylephase.report.show import figure, table
 from stylephase.report.walks import data_walk, walking_motion
 
@@ -265,7 +265,7 @@ figure(
 
 
 # %%
-def pictured(case: Case, style: str, models: tuple[str, ...]) -> list:
+def pictured(case: Case, style: str, models: tuple[str, ...], whole: bool = False) -> list:
     number = list(case.data.walks).index(style)
     motions = [data_walk(case.data.store, style, f"{style}\ndata")]
     motions += [
@@ -273,7 +273,7 @@ def pictured(case: Case, style: str, models: tuple[str, ...]) -> list:
         for model in models
         if model in case.walked and style in case.walked[model].walks
     ]
-    return [motion.frames(len(motion) - 90, len(motion)) for motion in motions]
+    return motions if whole else [motion.frames(len(motion) - 90, len(motion)) for motion in motions]
 
 
 def strips(name: str, case: Case, style: str, models: tuple[str, ...], how: Layout, alt: str) -> Image:
@@ -284,6 +284,13 @@ def strips(name: str, case: Case, style: str, models: tuple[str, ...], how: Layo
 
 alt = f"Strips of {shown}: data, PFNN FiLM, MANN FiLM, LPN FiLM, one and a half seconds each."
 strips("fig5", first_case, shown, FILM, Layout(frames=7, scale=70), alt)
+
+# %%
+seconds = [motion.frames(0, min(len(motion), int(4 * FPS))) for motion in pictured(first_case, shown, FILM, whole=True)]
+frames = movie(figures / "06_failure_cases-fig5.mp4", seconds, fps=30, size=(160, 208))
+Markdown(
+    f"`{figures_folder}/06_failure_cases-fig5.mp4`: {frames} frames, four seconds of the data and the three backbones."
+)
 
 # %% [markdown]
 # ## Figure 6: a hop

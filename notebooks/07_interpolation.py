@@ -55,9 +55,9 @@ from stylephase.report.blends import along_motion, along_plot, triangle_plot
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
-from stylephase.report.render import Layout, grid
+from stylephase.report.render import Layout, grid, movie
 from stylephase.report.show import markdown_table
-from stylephase.report.walks import pick
+from stylephase.report.walks import pick, walking_motion
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out
 
@@ -198,6 +198,16 @@ alt = f"Characters along the blend from {first} to {last}, one row for each mode
 picture = grid(strips, Layout(frames=len(SHARES), view="side", scale=72, note=f"{first}\nto {last}"))
 write_png(figures / "07_interpolation-strip.png", picture, alt=alt)
 Image(figures / "07_interpolation-strip.png", alt=alt)
+
+# %%
+shares = [start + round(share * (len(SHARES) - 1)) for share in (0, 0.5, 1)]
+labels = [first, "half of each", last]
+walked = [walking_motion(runs[models[-1]][0], k, film.body, label) for k, label in zip(shares, labels, strict=True)]
+seconds = [motion.frames(len(motion) - int(4 * FPS), len(motion)) for motion in walked]
+length = movie(figures / "07_interpolation-half.mp4", seconds, fps=30, size=(192, 240))
+Markdown(
+    f"`{figures_folder}/07_interpolation-half.mp4`: {length} frames, four seconds of both styles and of half of each."
+)
 
 # %% [markdown]
 # ## Three styles at once

@@ -70,8 +70,8 @@ floor = measured(first, held, names, list(MEASURES))
 strangers = {style: held[names[(k + 1) % len(names)]] for k, style in enumerate(names)}
 wrong = measured(first, strangers, names, list(MEASURES))
 rows = [(n, UNITS[n], *(f"{v.mean():.3g}" for v in (floor[n], wrong[n]))) for n in MEASURES]
-count = sum(len(windows_in(walks)) for walks in held.values())
-right = 1 - np.concatenate([[floor["other style"][k]] * len(windows_in(held[s])) for k, s in enumerate(names)]).mean()
+windows = [len(windows_in(walks)) for walks in held.values()]
+count, right = sum(windows), 1 - np.average(floor["other style"], weights=windows)
 table(("measure", "unit", "second halves", "second halves of another style"), *rows)
 
 # %%

@@ -18,7 +18,7 @@ from stylephase.errors import InputError
 from stylephase.report import probe
 
 # What conda or an import statement calls by another name than pip does.
-_PIP_NAMES = {"pytorch": "torch", "sklearn": "scikit-learn", "PIL": "pillow", "vtkmodules": "vtk"}
+_PIP_NAMES = {"pytorch": "torch", "sklearn": "scikit-learn", "PIL": "pillow", "vtkmodules": "vtk", "IPython": "ipython"}
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 from numpy import ndarray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
@@ -48,7 +47,7 @@ def smoothing(walk: Stretch, much: float, means: Means) -> Stretch:
 
 def jitter(walk: Stretch, much: float, means: Means) -> Stretch:
     """Noise on every joint, `much` its deviation in metres, from frame to frame independent."""
-    parts = _parts(walk)
+    parts = walk.joints
     noise = means.rng.normal(size=parts[:, :, 0].shape) * much
     parts[:, :, 0] += noise
     parts[1:, :, 3] += np.diff(noise, axis=0) * FPS
@@ -57,7 +56,7 @@ def jitter(walk: Stretch, much: float, means: Means) -> Stretch:
 
 def stuck_arms(walk: Stretch, much: float, means: Means) -> Stretch:
     """Arms that swing less: their joints come nearer to where they are in the mean by the share `much`."""
-    parts = _parts(walk)
+    parts = walk.joints
     parts[:, means.arms] += much * (parts[:, means.arms].mean(axis=0) - parts[:, means.arms])
     return _with(walk, parts)
 
@@ -84,26 +83,21 @@ def looping(walk: Stretch, much: float, means: Means) -> Stretch:
     turned = np.maximum.accumulate(np.unwrap(walk.phase) - walk.phase[0])
     cycle, kept = max(int(np.searchsorted(turned, 2 * np.pi)), 2), _kept(walk, much)
     order = np.concatenate([np.arange(kept), np.arange(len(walk) - kept) % min(cycle, len(walk))])
-    return Stretch(walk.poses[order], walk.phase[order], walk.contacts[order])
+    return walk.at(order)
 
 
 def sliding(walk: Stretch, much: float, means: Means) -> Stretch:
     """The whole character is carried forward by `much` m/s more than its feet walk."""
-    parts = _parts(walk)
+    parts = walk.joints
     parts[:, :, 3, 2] += much
     return _with(walk, parts)
 
 
 def sinking(walk: Stretch, much: float, means: Means) -> Stretch:
     """The whole character is `much` metres too low."""
-    parts = _parts(walk)
+    parts = walk.joints
     parts[:, :, 0, 1] -= much
     return _with(walk, parts)
-
-
-def _parts(walk: Stretch) -> Float[ndarray, "frames joints 4 3"]:
-    """A copy of the poses, by joint: position, forward, up, velocity."""
-    return walk.poses.reshape(len(walk), -1, 4, 3).astype(float)
 
 
 def _with(walk: Stretch, poses: ndarray) -> Stretch:

@@ -75,8 +75,9 @@ def frechet(reference: Reference, style: str, walks: Sequence[Stretch]) -> float
 
 
 def _gaussian(places: Float[ndarray, "windows chosen"]) -> tuple[Float[ndarray, " chosen"], ndarray]:
-    covariance, _ = ledoit_wolf(places)
-    return places.mean(axis=0), covariance
+    # One window does not vary; the estimate would be the same, but warns.
+    spread = ledoit_wolf(places)[0] if len(places) > 1 else np.zeros((places.shape[1],) * 2)
+    return places.mean(axis=0), spread
 
 
 def variety(reference: Reference, style: str, walks: Sequence[Stretch]) -> float:
@@ -113,7 +114,7 @@ def jerk(reference: Reference, style: str, walks: Sequence[Stretch]) -> float:
 
 
 def _jerk(walks: Sequence[Stretch]) -> float:
-    velocities = [_parts(walk, _VELOCITY) for walk in walks if len(walk) > 2]
+    velocities = [walk.joints[:, :, _VELOCITY] for walk in walks if len(walk) > 2]
     return (
         float(np.sqrt(np.mean(np.concatenate([np.square(np.diff(v, 2, axis=0)).ravel() for v in velocities])))) * FPS**2
     )
@@ -123,7 +124,7 @@ def skate(reference: Reference, style: str, walks: Sequence[Stretch]) -> float:
     """Mean horizontal speed of the toes while in contact (m/s)."""
     toes, speeds = list(reference.body.layout.effectors[:1:-1]), []
     for walk in walks:
-        speed = np.linalg.norm(_parts(walk, _VELOCITY)[:, toes][..., [0, 2]], axis=-1)
+        speed = np.linalg.norm(walk.joints[:, toes, _VELOCITY][..., [0, 2]], axis=-1)
         speeds.append(speed[walk.contacts])
     found = np.concatenate(speeds)
     return float(found.mean()) if len(found) else 0.0
@@ -137,27 +138,22 @@ def sunk(reference: Reference, style: str, walks: Sequence[Stretch]) -> float:
 
 
 def _lower_toe(reference: Reference, walk: Stretch) -> Float[ndarray, " frames"]:
-    return _parts(walk, _POSITION)[:, list(reference.body.layout.effectors[2:]), 1].min(axis=1)
+    return walk.joints[:, list(reference.body.layout.effectors[2:]), _POSITION, 1].min(axis=1)
 
 
 def bones(reference: Reference, style: str, walks: Sequence[Stretch]) -> float:
     """Mean deviation of a bone's length over time (mm)."""
     parents, children = (list(column) for column in zip(*reference.body.bones, strict=True))
-    joints = [_parts(walk, _POSITION) for walk in walks]
+    joints = [walk.joints[:, :, _POSITION] for walk in walks]
     lengths = np.concatenate([np.linalg.norm(j[:, parents] - j[:, children], axis=-1) for j in joints])
     return 1000 * float(lengths.std(axis=0).mean())
-
-
-def _parts(walk: Stretch, part: int) -> Float[ndarray, "frames joints 3"]:
-    """Positions, or velocities, of all joints."""
-    return walk.poses.reshape(len(walk), -1, 4, 3)[:, :, part].astype(float)
 
 
 def _power(walks: Sequence[Stretch], part: int) -> tuple[Float[ndarray, " frequencies"], ndarray]:
     """Power above frequency 0 of every coordinate, averaged over walks by their length."""
     long = [walk for walk in walks if len(walk) >= _SPECTRUM]
     found = [
-        welch(_parts(walk, part).reshape(len(walk), -1), FPS, nperseg=_SPECTRUM, axis=0, detrend="linear")
+        welch(walk.joints[:, :, part].reshape(len(walk), -1), FPS, nperseg=_SPECTRUM, axis=0, detrend="linear")
         for walk in long
     ]
     return found[0][0][1:], np.average([power[1:] for _, power in found], axis=0, weights=[len(walk) for walk in long])

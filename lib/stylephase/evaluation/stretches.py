@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from stylephase.evaluation.rollouts import SETTLE, codes_of, local_poses, start_of
@@ -31,6 +31,15 @@ class Stretch:
 
     def __len__(self) -> int:
         return len(self.poses)
+
+    @property
+    def joints(self) -> Float[ndarray, "frames joints 4 3"]:
+        """A copy of the poses by joint: position, forward, up, velocity."""
+        return self.poses.reshape(len(self), -1, 4, 3).astype(float)
+
+    def at(self, rows: slice | Int[ndarray, " chosen"]) -> "Stretch":
+        """Some of its frames."""
+        return Stretch(self.poses[rows], self.phase[rows], self.contacts[rows])
 
 
 def recorded(style: StyleVectors, layout: Layout, shortest: float = 4.0) -> list[Stretch]:

@@ -22,12 +22,7 @@ _MIDDLE = 2
 
 def halves(walks: Sequence[Stretch]) -> tuple[list[Stretch], list[Stretch]]:
     """First and second halves of walks."""
-    parts = [(slice(0, len(walk) // 2), slice(len(walk) // 2, None)) for walk in walks]
-    first, second = (
-        [Stretch(w.poses[p[k]], w.phase[p[k]], w.contacts[p[k]]) for w, p in zip(walks, parts, strict=True)]
-        for k in (0, 1)
-    )
-    return first, second
+    return [walk.at(slice(len(walk) // 2)) for walk in walks], [walk.at(slice(len(walk) // 2, None)) for walk in walks]
 
 
 def reference_of(store: VectorStore, styles: Sequence[str], most: float = 60.0) -> Reference:

@@ -86,3 +86,10 @@ def test_trials_cover_every_measure_and_damage_and_only_what_fails_is_dropped(re
     assert {"skate", "sunk", "bones"} <= set(kept)
     dull = {name: {d: Trial(np.ones_like(t.values), t.meant) for d, t in some.items()} for name, some in trials.items()}
     assert kept_measures(dull) == []
+
+
+def test_a_single_window_has_a_place_and_no_spread_and_no_warning(reference):
+    one = [reference.walks["Plain"][0].at(slice(120))]
+    assert len(windows_in(one)) == 1 and np.isfinite(value(reference, "frechet", one))
+    alone = Reference(reference.body, {**reference.walks, "Plain": one})
+    assert value(alone, "frechet", one) == pytest.approx(0, abs=1e-4)

@@ -36,7 +36,7 @@ _ELEVATION = np.radians(14.0)
 _DISTANCE = 5.4
 _FOLLOW_SECONDS = 0.5
 _TARGET_HEIGHT = 0.92
-_LABEL_SIZE, _LABEL_PLACE = 12, (0.02, 0.92)
+_LABEL_SIZE, _LABEL_PLACE = 12, (0.02, 0.98)
 _FINER = 2
 _LINE_WIDTH = 1.2
 
@@ -130,7 +130,11 @@ class _Panel:
         self._character = Character(plotter, motion, toward=self._toward, highlights=highlights)
         if motion.label:
             size = _LABEL_SIZE * _FINER
-            plotter.add_text(motion.label, position=_LABEL_PLACE, viewport=True, font_size=size, color=palette.INK)
+            text = plotter.add_text(
+                motion.label, position=_LABEL_PLACE, viewport=True, font_size=size, color=palette.INK
+            )
+            # Hung from its top, so that it fits however low the panel is and however many lines it has.
+            text.prop.SetVerticalJustificationToTop()
 
     def at(self, frame: int) -> UInt8[ndarray, "height width 3"]:
         """The picture of a frame, or of the last one where the motion has ended."""
