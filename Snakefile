@@ -57,7 +57,7 @@ def needs(wildcards):
     """What a notebook reads: the data, the other notebooks' numbers, or the trained runs."""
     if wildcards.notebook in ("01_data_and_skeleton", "02_local_phases", "10_global_phase_and_pfnn"):
         return DATA
-    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters"):
+    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters", "15_your_own_mocap"):
         return []
     if wildcards.notebook == "00_scorecard":
         return [f"{FIGURES}/{name}.json" for name in NOTEBOOKS if name != wildcards.notebook]

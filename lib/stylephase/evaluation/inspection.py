@@ -125,14 +125,19 @@ def inspect_files(files: Iterable[tuple[Path, str]], how: PhaseVariant | None = 
 
 
 def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> list[Path]:
-    """The trained weights in a folder of such that know a skeleton: they can learn a new style from its takes."""
+    """The trained weights in a folder of such that know a skeleton and can learn a new style of it.
+
+    That takes their style network, which weights that are only meant to walk come without.
+    """
     found = []
     for path in sorted(path.parent for path in folder.glob("*/model.json")):
+        bundle = load_bundle(path)
         try:
-            check_same_skeleton(path, skeleton, load_bundle(path).body.skeleton)
+            check_same_skeleton(path, skeleton, bundle.body.skeleton)
         except InputError:
             continue
-        found.append(path)
+        if bundle.makes_codes:
+            found.append(path)
     return found
 
 

@@ -61,6 +61,8 @@ def evaluate_bundle(
     groups = {name: mean_over(errors, members) for name, members in groups_of(store.catalogue.styles).items()}
     result: dict[str, Any] = {
         "about": bundle.about,
+        "parameters": sum(parameter.numel() for parameter in bundle.network.parameters()),
+        "input_rate": bundle.settings.input_rate,
         "errors": {style: {name: asdict(error) for name, error in one.items()} for style, one in errors.items()},
         "groups": {name: {rival: asdict(error) for rival, error in one.items()} for name, one in groups.items()},
         "codes": code_spread(bundle, styles),

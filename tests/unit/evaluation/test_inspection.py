@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tiny_walker as tiny
 
 from stylephase.evaluation.inspection import HEADS, Inspection, fitting_weights, inspect_clip, inspect_files, rows_of
-from stylephase.motion.bvh import read_bvh, write_bvh
+from stylephase.models.bundle import save_bundle
+from stylephase.motion.bvh import write_bvh
 from stylephase.motion.clip import Clip
 from stylephase.motion.rotations import from_matrix, to_matrix
 from stylephase.motion.synthetic import find_style, steady, walk
@@ -119,7 +121,9 @@ def test_files_that_cannot_be_read_or_have_another_skeleton_are_listed_among_the
     assert len(rows) == 3 and all(len(row) == len(HEADS) for row in rows)
 
 
-def test_weights_are_offered_to_the_skeleton_that_they_know_and_no_other(root, ahead, real_file):
-    own = read_bvh(real_file("bandai-namco-locomotion.tar.xz", "dataset-1_walk_old_001.bvh")).skeleton
-    assert [path.name for path in fitting_weights(own)] == ["bandai-namco"]
-    assert fitting_weights(named(ahead, "mixamo").skeleton) == []
+def test_weights_are_offered_to_the_skeleton_that_they_know_if_they_can_learn(tmp_path, ahead):
+    save_bundle(tmp_path / "whole", tiny.bundle())
+    save_bundle(tmp_path / "to-run", tiny.bundle(), to_run=True)
+    save_bundle(tmp_path / "no-style-network", tiny.of_model("lpn-onehot"))
+    assert [path.name for path in fitting_weights(ahead.skeleton, tmp_path)] == ["whole"]
+    assert fitting_weights(named(ahead, "mixamo").skeleton, tmp_path) == []
