@@ -37,7 +37,7 @@ _SLOWEST, _FLIGHT, _RUNNING = 0.1, 0.1, 1.5
 _UPRIGHT = 0.5
 # Remarks begin here: frames a second, steps, clarity, sliding feet (m/s), floor (m).
 _COARSE, _FEW_STEPS, _CLEAR, _SLIDES, _FLOOR = 50.0, 6, 0.5, 0.15, 0.25
-_AXES, _WINDOW = "xyz", 2.0
+_AXES, _WINDOW, _OFTEN = "xyz", 2.0, 0.05
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,8 @@ class Walk:
     `gait` in words; `speed` (m/s) over half seconds; `turning` (degrees/s) and `towards`, the angle (degrees) from
     where the hips face to where they go, both positive to the left; `contacts` the share of the time that
     the right and the left foot stand, `skate` (m/s) their speed then; `steps`, the share of them that alternate, and
-    `cycle` (s); `floor` (m) the height at which the feet rest.
+    `cycle` (s); `floor` (m) the height at which the feet rest; `still` and `fallen` the shares of the time in which
+    the root does not get on, and in which nobody is upright.
     """
 
     gait: str
@@ -60,6 +61,8 @@ class Walk:
     alternation: float
     cycle: float
     floor: float
+    still: float
+    fallen: float
 
 
 @dataclass(frozen=True)
@@ -176,7 +179,8 @@ def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
     """What goes on in a take at 60 frames a second."""
     root, half = root_of(pose, skeleton), int(FPS / 2)
     moved = (root.positions[half:] - root.positions[:-half]) * FPS / half
-    speed = float(np.linalg.norm(moved, axis=1).mean())
+    speeds = np.linalg.norm(moved, axis=1)
+    speed = float(speeds.mean())
     facing = root.directions[half // 2 : half // 2 + len(moved)]
     ahead, left = (moved * facing).sum(axis=1).mean(), (moved * facing[:, ::-1] * [1, -1]).sum(axis=1).mean()
     toes = pose.positions[:, list(skeleton.roles.toe_sensors[::-1])]
@@ -194,6 +198,8 @@ def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
         steps.alternation,
         steps.cycle,
         float(np.percentile(toes[..., 1].min(axis=1), 3)),
+        float((speeds < _SLOWEST).mean()),
+        float((_above_the_feet(pose, skeleton)[:, 1] < _UPRIGHT).mean()),
     )
 
 
@@ -231,8 +237,7 @@ def _length_faults(clip: Clip) -> list[str]:
 
 def _upright_faults(pose: Pose, skeleton: Skeleton, legs: float) -> list[str]:
     """A file whose up axis is another, or in which nobody stands upright."""
-    toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
-    above: Float[ndarray, "3"] = np.median(pose.positions[:, 0] - toes, axis=0) / legs
+    above: Float[ndarray, "3"] = np.median(_above_the_feet(pose, skeleton), axis=0)
     if above[1] > _UPRIGHT:
         return []
     axis = int(np.abs(above).argmax())
@@ -242,6 +247,12 @@ def _upright_faults(pose: Pose, skeleton: Skeleton, legs: float) -> list[str]:
     return [f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"]
 
 
+def _above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]:
+    """The hips seen from between the toes, in lengths of a leg."""
+    toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
+    return (pose.positions[:, 0] - toes) / _leg_length(skeleton)
+
+
 def _remarks(seen: Inspection) -> list[str]:
     walk, remarks = seen.walk, []
     assert walk is not None and seen.clarity is not None
@@ -249,6 +260,9 @@ def _remarks(seen: Inspection) -> list[str]:
         remarks.append(f"legs of {seen.legs:.2f} m: the unit may be another than the {seen.unit}")
     if seen.fps < _COARSE:
         remarks.append(f"{seen.fps:g} frames a second: what moves faster than {seen.fps / 2:g} Hz is not in it")
+    for share, what in ((walk.still, "nobody gets on"), (walk.fallen, "nobody is upright")):
+        if share > _OFTEN:
+            remarks.append(f"in {100 * share:.0f} % of the time {what}: cut that out")
     if abs(walk.floor) > _FLOOR:
         remarks.append(f"the feet rest {walk.floor:.2f} m from y = 0")
     if walk.steps < _FEW_STEPS:

@@ -38,6 +38,7 @@ class Claim:
     at_least: Number | None = None
     at_most: Number | None = None
     data: str = ""
+    main: bool = False
 
     @property
     def bounded(self) -> bool:

@@ -73,13 +73,13 @@ def write_walker(folder: Path, styles: Sequence[str] = ("Plain", "StoopedOver"),
     return folder
 
 
-def copy_takes(catalogue: Catalogue, folder: Path, each: int = 4) -> Path:
-    """Up to so many takes of every style as somebody's own files: a sub-folder for each style."""
+def write_takes(catalogue: Catalogue, folder: Path, gaits: Sequence[str], each: int = 6) -> Path:
+    """Up to so many takes of every style as somebody's own files: cut, at their own rate, in a folder for each style."""
     for style in catalogue.styles:
-        for entry in catalogue.of(style)[:each]:
-            place = folder / style / entry.path.name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(entry.path, place)
+        for entry in [entry for entry in catalogue.of(style) if entry.gait in gaits][:each]:
+            clip = read_bvh(entry.path, metres_per_unit=catalogue.dataset.metres_per_unit)
+            whole = clip.frames(entry.start, len(clip) if entry.stop is None else min(entry.stop, len(clip)))
+            write_bvh(folder / style / entry.path.name, whole)
     return folder
 
 
@@ -111,16 +111,17 @@ class Driven:
     file: Path
 
 
-def learn_and_drive(report: Report, work: Path) -> Driven:
+def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
     """Learn from the usable files, walk at the speed of the data, and write the walk of the first style as BVH.
 
-    Weights that know the skeleton learn the files as one style by fine-tuning; else a small network is trained anew.
+    Weights that know the skeleton learn the files as one style by fine-tuning; else a small network is trained anew,
+    for so many steps.
     `work` is emptied first.
     """
     shutil.rmtree(work, ignore_errors=True)
     usable = keep_usable(report, work / "usable")
     fitting = fitting_weights(report.skeleton) if report.skeleton else []
-    bundle, styles, store, how = _tuned(fitting[0], usable) if fitting else _trained(usable, work)
+    bundle, styles, store, how = _tuned(fitting[0], usable) if fitting else _trained(usable, work, steps)
     start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
     gains = calibrate(bundle, codes, start, np.array([walking_speed(style) for style in styles]))
     run = roll_out(bundle, codes, start, int(_DRIVEN_SECONDS * FPS), Steady(gains), grounded=True)
@@ -148,9 +149,14 @@ def _tuned(weights: Path, folder: Path) -> _Learned:
     return fine_tune(base, [vectors]).bundle, [vectors], VectorStore(catalogue, phases), how
 
 
-def _trained(folder: Path, work: Path) -> _Learned:
-    how = preset("quick")
+def _trained(folder: Path, work: Path, steps: int) -> _Learned:
+    how = replace(preset("quick"), steps=steps)
     store = VectorStore(load_catalogue(f"{OWN}{folder}"), how.phases)
     check_folder(work / "run", identity_of(store, "lpn-film", how, "quick", 0), resume=True)
     bundle = Trainer(store, "lpn-film", how, "quick", 0).run(work / "run", lambda steps: None)
-    return bundle, [store.load(style) for style in bundle.styles], store, "trained anew, preset quick"
+    return (
+        bundle,
+        [store.load(style) for style in bundle.styles],
+        store,
+        f"trained anew, preset quick with {steps} steps",
+    )

@@ -110,6 +110,12 @@ def test_sliding_feet_and_a_coarse_rate_are_remarked(ahead):
     assert any("15 Hz" in remark for remark in found_in(coarse).remarks)
 
 
+def test_time_in_which_nobody_gets_on_is_remarked(ahead):
+    waiting = np.repeat([0, *range(len(ahead))], [90, *[1] * len(ahead)])
+    take = found_in(replace(ahead, rotations=ahead.rotations[waiting], root_positions=ahead.root_positions[waiting]))
+    assert take.usable and any("nobody gets on" in remark for remark in take.remarks)
+
+
 def test_files_that_cannot_be_read_or_have_another_skeleton_are_listed_among_the_others(ahead, tmp_path):
     write_bvh(tmp_path / "a.bvh", ahead)
     (tmp_path / "b.bvh").write_text("HIERARCHY\nROOT Hips\n{\n")
