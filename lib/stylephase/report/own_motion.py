@@ -74,7 +74,7 @@ def write_walker(folder: Path, styles: Sequence[str] = ("Plain", "StoopedOver"),
 
 
 def write_takes(catalogue: Catalogue, folder: Path, gaits: Sequence[str], each: int = 6) -> Path:
-    """Up to so many takes of every style as somebody's own files: cut, at their own rate, in a folder for each style."""
+    """Up to so many takes of every style as somebody's own files: cut, at their own rate, by style."""
     for style in catalogue.styles:
         for entry in [entry for entry in catalogue.of(style) if entry.gait in gaits][:each]:
             clip = read_bvh(entry.path, metres_per_unit=catalogue.dataset.metres_per_unit)
