@@ -35,8 +35,8 @@ def test_the_l1_terms_are_means_over_what_is_shared_and_over_one_styles_adapter(
 def test_a_strong_weight_makes_weights_smaller():
     sizes = []
     for weight in (0.0, 100.0):
-        run = tiny.trainer(model="pfnn-cp", style_l1=weight, **TURNS)
-        for _ in range(20):
+        run = tiny.trainer(model="pfnn-cp", style_l1=weight, steps=200, **TURNS)
+        for _ in range(60):
             run.round()
         sizes.append(mean_absolute(style_weights(run.network.synthesis, 0)).item())
     assert sizes[1] < 0.9 * sizes[0]
