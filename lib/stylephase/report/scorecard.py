@@ -106,7 +106,11 @@ def _link(claim: Claim, links: str) -> str:
 
 
 def shown(value: Any, unit: str) -> str:
-    """A value with its unit: digits grouped by thousands, four significant ones after a point."""
+    """A value with its unit: digits grouped by thousands, four significant ones after a point.
+
+    >>> shown(4935928, "parameters"), shown([4.53, 0.0449], "ms")
+    ('4,935,928 parameters', '4.53 / 0.0449 ms')
+    """
     if value is None:
         return ""
     if isinstance(value, list):
