@@ -16,7 +16,7 @@ from numpy import ndarray
 
 from stylephase.data.registry import DATA
 from stylephase.errors import InputError
-from stylephase.files import read_json
+from stylephase.files import read_json, write_json
 from stylephase.models.bundle import is_bundle
 from stylephase.models.zoo import PAPER_2022
 
@@ -62,6 +62,14 @@ class Run:
     def file(self) -> Path:
         """The file that its numbers rest on."""
         return self.folder / _EVALUATION
+
+
+def keep_run(folder: Path, result: dict[str, Any], kept: Path = KEPT) -> Path:
+    """Keep what was measured of a run, its `result` and its learning curve, under the name of its folder."""
+    place = kept / folder.resolve().name
+    write_json(place / _LOG, read_json(folder / _LOG))
+    write_json(place / _EVALUATION, result)
+    return place
 
 
 def find_runs(folder: Path, dataset: str, preset: str, *, kept: Path | None = KEPT, weights: bool = False) -> list[Run]:

@@ -7,7 +7,7 @@ import pytest
 
 from stylephase.errors import InputError
 from stylephase.evaluation.quality import flaws, sound, still_falling, trade_off
-from stylephase.evaluation.runs import by_model, common_styles, error_table, find_runs
+from stylephase.evaluation.runs import by_model, common_styles, error_table, find_runs, keep_run
 
 
 def walk(style: str, **changes) -> dict:
@@ -65,6 +65,14 @@ def test_what_is_kept_of_a_run_stands_for_one_that_is_not_there(put, tmp_path):
     assert [(run.seed, error_table([run])[0, 0]) for run in found] == [(0, 0.101), (1, 0.501)]
     assert [run.parameters for run in found] == [1000, 1000]
     assert find_runs(tmp_path / "runs", "own", "cpu", kept=tmp_path / "kept", weights=True) == []
+
+
+def test_a_run_is_kept_under_its_name_and_found_again(put, tmp_path):
+    put("runs/own-cpu-lpn-film-seed0", level=0.1)
+    place = keep_run(tmp_path / "runs/own-cpu-lpn-film-seed0", evaluation(0.7, 0.3), tmp_path / "kept")
+    assert place == tmp_path / "kept/own-cpu-lpn-film-seed0"
+    (run,) = find_runs(tmp_path / "nowhere", "own", "cpu", kept=tmp_path / "kept")
+    assert error_table([run])[0, 0] == 0.701 and run.log == [] and not run.has_weights
 
 
 def test_errors_are_summed_from_their_parts(put, tmp_path):
