@@ -6,6 +6,7 @@ will be worse for it.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,8 @@ UNITS = {1.0: "metre", 0.01: "centimetre", 0.001: "millimetre", 0.0254: "inch", 
 _LEGS = (0.6, 1.25)
 # The root of somebody who walks gets on faster than this (m/s), and of somebody who runs is often in the air.
 _SLOWEST, _FLIGHT, _RUNNING = 0.1, 0.1, 1.5
+# No joint of a person goes faster than this (m/s).
+_FASTEST = 20.0
 # Hips are above the feet by this share of the leg, along the axis that is up.
 _UPRIGHT = 0.5
 # Remarks begin here: frames a second, steps, clarity, sliding feet (m/s), floor (m).
@@ -70,7 +73,8 @@ class Inspection:
     """One file: what was found, remarks, and the faults that make it useless (none for a usable take).
 
     `unit` is the guessed unit of length, `legs` (m) what the legs measure by it; `effectors` name the joints taken for
-    hands and feet. `clarity` is, for each effector, the share of its movement to and fro that a sinusoid of its phase
+    hands and feet, and `stretch` is the longest part of the file [start, stop) in which nothing jumps; the rest was
+    measured in it. `clarity` is, for each effector, the share of its movement to and fro that a sinusoid of its phase
     explains (1: all of it), and `apart` (cycles) how far the feet are from half a cycle apart, in the median.
     """
 
@@ -82,6 +86,7 @@ class Inspection:
     unit: str = ""
     legs: float = 0.0
     effectors: dict[str, str] | None = None
+    stretch: tuple[int, int] = (0, 0)
     walk: Walk | None = None
     clarity: dict[str, float] | None = None
     apart: float | None = None
@@ -146,8 +151,8 @@ def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> list[Path]
 
 def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVariant | None = None) -> Inspection:
     """Inspect one take that could be read, from a file with this unit of length (m)."""
-    skeleton, at_60 = clip.skeleton, resample(clip, FPS)
-    legs = _leg_length(skeleton)
+    skeleton, stretch = clip.skeleton, unbroken(clip)
+    at_60, legs = resample(clip.frames(*stretch), FPS), _leg_length(skeleton)
     seen = Inspection(
         path,
         style,
@@ -156,6 +161,7 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVari
         joints=len(skeleton),
         unit=UNITS.get(unit, f"{unit:g} m"),
         legs=legs,
+        stretch=stretch,
         effectors={
             name: skeleton.names[joint] for name, joint in zip(EFFECTOR_NAMES, skeleton.roles.effectors, strict=True)
         },
@@ -173,6 +179,14 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVari
         seen, walk=walk, clarity=clarity, apart=float(np.median(antiphase(phases.local.phase))), faults=tuple(faults)
     )
     return replace(seen, remarks=tuple(_remarks(seen)))
+
+
+def unbroken(clip: Clip) -> tuple[int, int]:
+    """The longest part [start, stop) of a take in which no joint goes faster than anybody can."""
+    steps = np.linalg.norm(np.diff(forward_kinematics(clip).positions, axis=0), axis=-1).max(axis=1)
+    ends = [0, *(np.flatnonzero(steps * clip.fps > _FASTEST) + 1), len(clip)]
+    start, stop = max(pairwise(ends), key=lambda part: part[1] - part[0])
+    return int(start), int(stop)
 
 
 def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
@@ -258,6 +272,9 @@ def _remarks(seen: Inspection) -> list[str]:
     assert walk is not None and seen.clarity is not None
     if not _LEGS[0] <= seen.legs <= _LEGS[1]:
         remarks.append(f"legs of {seen.legs:.2f} m: the unit may be another than the {seen.unit}")
+    if seen.stretch != (0, seen.frames):
+        start, stop = seen.stretch
+        remarks.append(f"the body jumps: cut the file to frames {start} to {stop - 1} of {seen.frames}")
     if seen.fps < _COARSE:
         remarks.append(f"{seen.fps:g} frames a second: what moves faster than {seen.fps / 2:g} Hz is not in it")
     for share, what in ((walk.still, "nobody gets on"), (walk.fallen, "nobody is upright")):

@@ -89,11 +89,9 @@ def inspected(folder: Path) -> Report:
 
 
 def keep_usable(report: Report, folder: Path) -> Path:
-    """The usable files of a report in a folder of their own, arranged by style."""
+    """What is of use of the files of a report, in a folder of their own, arranged by style."""
     for take in report.usable:
-        place = folder / take.style / take.file.name
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(take.file, place)
+        write_bvh(folder / take.style / take.file.name, read_bvh(take.file).frames(*take.stretch))
     return folder
 
 

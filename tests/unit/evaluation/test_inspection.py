@@ -116,6 +116,16 @@ def test_time_in_which_nobody_gets_on_is_remarked(ahead):
     assert take.usable and any("nobody gets on" in remark for remark in take.remarks)
 
 
+def test_a_jump_is_remarked_with_the_frames_that_are_of_use(ahead):
+    """A frame of zeros at the end, as some exporters leave it."""
+    rotations, places = ahead.rotations.copy(), ahead.root_positions.copy()
+    rotations[-1], places[-1] = [1.0, 0, 0, 0], 0.0
+    take = found_in(replace(ahead, rotations=rotations, root_positions=places))
+    assert take.usable and take.stretch == (0, len(ahead) - 1)
+    assert f"the body jumps: cut the file to frames 0 to {len(ahead) - 2} of {len(ahead)}" in take.remarks
+    assert found_in(ahead).stretch == (0, len(ahead))
+
+
 def test_files_that_cannot_be_read_or_have_another_skeleton_are_listed_among_the_others(ahead, tmp_path):
     write_bvh(tmp_path / "a.bvh", ahead)
     (tmp_path / "b.bvh").write_text("HIERARCHY\nROOT Hips\n{\n")
