@@ -27,6 +27,9 @@ RUNS = [f"{model}-seed{seed}" for model in MODELS for seed in SEEDS]
 NOTEBOOKS = sorted(path.stem for path in Path("notebooks").glob("[0-9][0-9]_*.py") if WITHOUT or path.stem[:2] != "08")
 LAYERS = "motion data phase features models training runtime evaluation report".split()
 
+# One's own files are read where they lie, so a changed one must be noticed.
+OWN_FILES = sorted(map(str, Path(DATASET[4:]).rglob("*.[bB][vV][hH]"))) if DATASET.startswith("own:") else []
+
 DATA = f"build/data/{SET}.json"
 RUN = f"build/runs/{SET}-{PRESET}-{{run}}"
 SPARING = "lpn-film-seed0" if ALL_WITHOUT else "lpn-film-heldout-seed0"
@@ -76,7 +79,7 @@ rule all:
 
 
 checkpoint data:
-    input: "data/registry.toml", code("data")
+    input: "data/registry.toml", OWN_FILES, code("data")
     output: DATA
     shell:
         """
