@@ -142,13 +142,13 @@ rich, _ = rival.transfers(network, {straight: contents[straight]}, whole, anatom
 # > A neutral clip is stylised, and the trajectory of the result then drives the controller ([M18] 8.2).
 #
 # The character begins at a frame of the style's data, walks straight on for two seconds, and then follows the stylised
-# motion's path, frame by frame. Only what comes then is judged. A character that follows nothing goes straight on.
+# motion's path: at every frame the coming second of that path is what its network is told. Only what comes then is
+# judged. A character that follows nothing goes straight on.
 
 # %%
 styles = [materials[style].style for style in targets]
 paths = {name: {style: motion.root for style, motion in some.items()} for name, some in made.items()}
-gains = rival.gains_of(bundle, styles, paths[straight])
-drives = {name: rival.driven(bundle, styles, some, gains) for name, some in paths.items()}
+drives = {name: rival.driven(bundle, styles, some) for name, some in paths.items()}
 timed = styles[: 2 if quick else 5]
 ours_seconds = float(
     np.median([rival.seconds_of_one(bundle, s, paths[straight][s.style], gains[s.style]) for s in timed])

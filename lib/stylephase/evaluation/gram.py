@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -30,11 +29,10 @@ from stylephase.models.autoencoder import MotionAutoencoder
 from stylephase.models.bundle import Bundle, is_bundle
 from stylephase.motion.root import Root
 from stylephase.phase.global_phase import global_phase
-from stylephase.runtime.calibration import calibrate, speed_of
+from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.gram import Anatomy, GramSettings, transfer
-from stylephase.runtime.paths import Recorded
-from stylephase.runtime.plans import Plan
-from stylephase.runtime.rollout import Rollout, roll_out
+from stylephase.runtime.led import roll_out_led
+from stylephase.runtime.rollout import Rollout
 from stylephase.runtime.trajectory import on_ground
 
 # Words for a style that is none.
@@ -241,26 +239,11 @@ class Driven:
         return float(np.linalg.norm(asked - asked[0] - ahead, axis=1).mean())
 
 
-def gains_of(bundle: Bundle, styles: Sequence[StyleVectors], paths: Mapping[str, Root]) -> dict[str, float]:
-    """For each style the gain that walks at 1 m/s, measured at the speed of its path."""
-    seen = [for_gate(style, bundle.layout) for style in styles]
-    speeds = np.array([speed_of(paths[style.style].positions) for style in styles])
-    gains = calibrate(bundle, codes_of(bundle, seen), start_of(seen, bundle.body), speeds) / np.maximum(speeds, 0.1)
-    return {style.style: float(gain) for style, gain in zip(styles, gains, strict=True)}
-
-
-def driven(
-    bundle: Bundle, styles: Sequence[StyleVectors], paths: Mapping[str, Root], gains: Mapping[str, float]
-) -> Driven:
+def driven(bundle: Bundle, styles: Sequence[StyleVectors], paths: Mapping[str, Root]) -> Driven:
     """Each style walks along a path of its own, all of one length, after a run-up."""
     run_up, seen = int(RUN_UP * FPS), [for_gate(style, bundle.layout) for style in styles]
     whole = [lasting(paths[style.style], run_up) for style in styles]
-    plan = Recorded(
-        np.stack([root.positions for root in whole], axis=1),
-        np.stack([root.angles for root in whole], axis=1),
-        np.array([gains[style.style] for style in styles]),
-    )
-    run = roll_out(bundle, codes_of(bundle, seen), start_of(seen, bundle.body), len(plan.places), cast(Plan, plan))
+    run = roll_out_led(bundle, codes_of(bundle, seen), start_of(seen, bundle.body), whole)
     return Driven(tuple(style.style for style in styles), run, tuple(whole), run_up)
 
 
@@ -294,7 +277,7 @@ TOLD = {
     "other style": "share of windows",
     "sliding": "m/s",
     "bones": "mm",
-    "jerk": "log ratio",
+    "spectrum": "Hz",
 }
 
 
@@ -329,10 +312,10 @@ def transfers(
     return made, (time.process_time() - begun) / seconds
 
 
-def seconds_of_one(bundle: Bundle, style: StyleVectors, path: Root, gain: float) -> float:
+def seconds_of_one(bundle: Bundle, style: StyleVectors, path: Root) -> float:
     """The processor's seconds for a second of one character on a path."""
     begun = time.process_time()
-    run = driven(bundle, [style], {style.style: path}, {style.style: gain}).run
+    run = driven(bundle, [style], {style.style: path}).run
     return (time.process_time() - begun) * FPS / len(run)
 
 

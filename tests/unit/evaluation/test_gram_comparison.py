@@ -101,7 +101,7 @@ def test_a_path_with_a_run_up_begins_at_the_origin_and_keeps_its_shape():
 def test_a_controller_is_driven_for_as_long_as_its_path():
     weights, style = bundle("Plain", "Old"), style_vectors("Plain")
     path = Root(np.stack([np.zeros(90), np.arange(90) / 60], axis=1), np.zeros(90))
-    drive = driven(weights, [style], {"Plain": path}, {"Plain": 1.0})
+    drive = driven(weights, [style], {"Plain": path})
     asked, walked = drive.way("Plain")
     assert len(asked) == len(walked) == 90
     assert drive.off("Plain") == pytest.approx(np.linalg.norm(asked - walked, axis=1).mean())
