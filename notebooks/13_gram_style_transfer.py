@@ -64,11 +64,12 @@ chosen = rival.weights_folder(
     ROOT / weights if weights else None, ROOT / runs_folder / f"{stem}-{run}", ROOT / "data" / "pretrained" / dataset
 )
 bundle, catalogue = load_bundle(chosen), load_catalogue(dataset)
-store = VectorStore(catalogue, bundle.about["phases"])
-layout, body, one_clip = store.body.layout, store.body, rival.from_one_clip(bundle)
+store = VectorStore(catalogue, bundle.about.get("phases", "adaptive"))
+layout, body, one_clip = store.body.layout, store.body, rival.few_shot_styles(bundle)
 materials = rival.materials_of([store.load(style) for style in catalogue.styles])
 neutral = rival.neutral_style(list(materials.values()))
-targets = [s for s in materials if s in bundle.styles and s not in rival.neutral_styles(catalogue.styles)]
+knows = one_clip or bundle.styles
+targets = [s for s in materials if s in knows and s not in rival.neutral_styles(catalogue.styles)]
 targets = targets[:4] if quick else targets
 saw = "one short clip of each style" if one_clip else "all takes of each style, the walks to judge by among them"
 Markdown(

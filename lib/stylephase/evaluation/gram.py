@@ -327,6 +327,6 @@ def weights_folder(named: Path | None, run: Path, shipped: Path) -> Path:
     raise InputError("holds no trained weights", named or run)
 
 
-def from_one_clip(bundle: Bundle) -> bool:
-    """Whether the weights learned their styles from a short clip of each, as `stylephase fewshot` notes in them."""
-    return "few_shot" in bundle.about
+def few_shot_styles(bundle: Bundle) -> tuple[str, ...]:
+    """The styles that the weights learned from a short clip each, as `stylephase fewshot` notes in them."""
+    return tuple(learned["style"] for learned in bundle.about.get("few_shot", ()))

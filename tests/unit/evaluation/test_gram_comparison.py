@@ -13,7 +13,7 @@ from stylephase.evaluation.gram import (
     contents_of,
     driven,
     farthest,
-    from_one_clip,
+    few_shot_styles,
     judged,
     known_stretches,
     lasting,
@@ -155,7 +155,8 @@ def test_weights_are_those_named_then_a_run_then_those_shipped(tmp_path):
     assert weights_folder(None, run, shipped) == run
 
 
-def test_weights_say_whether_they_learned_from_one_clip():
+def test_weights_say_which_styles_they_learned_from_one_clip():
     weights = bundle()
-    assert not from_one_clip(weights)
-    assert from_one_clip(replace(weights, about=weights.about | {"few_shot": []}))
+    assert few_shot_styles(weights) == ()
+    learned = [{"style": "Old", "frames": 200}]
+    assert few_shot_styles(replace(weights, about=weights.about | {"few_shot": learned})) == ("Old",)
