@@ -68,7 +68,7 @@ def needs(wildcards):
         return expand(f"{RUN}/evaluation.json", run=["lpn-film-seed0", "lpn-onehot-seed0"])
     if wildcards.notebook == "08_new_styles":
         return f"{HELD_OUT_RUN}/training.json"
-    one = wildcards.notebook in ("04_training", "09_play")
+    one = wildcards.notebook in ("04_training", "09_play", "13_gram_style_transfer")
     return expand(f"{RUN}/evaluation.json", run=[run for run in RUNS if run.startswith("lpn-film-")] if one else RUNS)
 
 
