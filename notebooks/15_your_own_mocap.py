@@ -53,7 +53,7 @@ def examples() -> dict[str, Path]:
     if dataset != "synthetic":
         chosen = {"xsens": ("100style", ["FW"]), "bandai-namco": ("bandai-namco", ["walk"]), "cmu": ("pfnn", ["any"])}
         for kind, (name, gaits) in chosen.items():
-            some = ["set1-old", "set1-proud"] if name == "bandai-namco" else None
+            some = ["set2-elderly", "set2-exhausted"] if name == "bandai-namco" else None
             found[kind] = own_motion.write_takes(load_catalogue(name, some), working / "examples" / kind, gaits)
     return found
 
