@@ -27,6 +27,9 @@ RUNS = [f"{model}-seed{seed}" for model in MODELS for seed in SEEDS]
 NOTEBOOKS = sorted(path.stem for path in Path("notebooks").glob("[0-9][0-9]_*.py") if WITHOUT or path.stem[:2] != "08")
 LAYERS = "motion data phase features models training runtime evaluation report".split()
 
+# One's own files are read where they lie, so a changed one must be noticed.
+OWN_FILES = sorted(map(str, Path(DATASET[4:]).rglob("*.[bB][vV][hH]"))) if DATASET.startswith("own:") else []
+
 DATA = f"build/data/{SET}.json"
 RUN = f"build/runs/{SET}-{PRESET}-{{run}}"
 SPARING = "lpn-film-seed0" if ALL_WITHOUT else "lpn-film-heldout-seed0"
@@ -57,7 +60,7 @@ def needs(wildcards):
     """What a notebook reads: the data, the other notebooks' numbers, or the trained runs."""
     if wildcards.notebook in ("01_data_and_skeleton", "02_local_phases", "10_global_phase_and_pfnn"):
         return DATA
-    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters"):
+    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters", "15_your_own_mocap"):
         return []
     if wildcards.notebook == "00_scorecard":
         return [f"{FIGURES}/{name}.json" for name in NOTEBOOKS if name != wildcards.notebook]
@@ -76,7 +79,7 @@ rule all:
 
 
 checkpoint data:
-    input: "data/registry.toml", code("data")
+    input: "data/registry.toml", OWN_FILES, code("data")
     output: DATA
     shell:
         """
