@@ -14,7 +14,7 @@
 # %% [markdown]
 # # Your own motion capture
 #
-# Beyond both papers. Time: preset quick a minute; the examples of real capture some minutes.
+# Beyond [M18] and [M22], which work on their own capture. Time: preset quick a minute, real examples some minutes.
 #
 # A folder of BVH files goes in, a character that walks like them comes out. Set `folder` to yours: a sub-folder for
 # each style, or file names that begin with the style and an underscore. Left empty, examples show what to expect.
