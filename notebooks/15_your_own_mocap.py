@@ -28,6 +28,7 @@ work: str = "build/own"  # folder for copies, weights and BVH files
 steps: int = 1200  # steps of a training
 
 # %%
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -49,11 +50,12 @@ def examples() -> dict[str, Path]:
     """Folders as people have them, by the kind of skeleton."""
     if folder:
         return {"yours": Path(folder)}
+    shutil.rmtree(working / "examples", ignore_errors=True)
     found = {"mixamo": own_motion.write_walker(working / "examples" / "mixamo")}
     if dataset != "synthetic":
         chosen = {"xsens": ("100style", ["FW"]), "bandai-namco": ("bandai-namco", ["walk"]), "cmu": ("pfnn", ["any"])}
         for kind, (name, gaits) in chosen.items():
-            some = ["set2-elderly", "set2-exhausted"] if name == "bandai-namco" else None
+            some = ["set1-old", "set1-proud", "set2-elderly", "set2-exhausted"] if name == "bandai-namco" else None
             found[kind] = own_motion.write_takes(load_catalogue(name, some), working / "examples" / kind, gaits)
     return found
 

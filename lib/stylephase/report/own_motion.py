@@ -16,7 +16,7 @@ from stylephase.features.captures import captured_vectors
 from stylephase.features.layout import FPS
 from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.models.bundle import Bundle, load_bundle
-from stylephase.motion.bvh import read_bvh, write_bvh
+from stylephase.motion.bvh import read_bvh, read_with_unit, write_bvh
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.motion.synthetic import SKELETON, find_style, walk
 from stylephase.report.render.motion import Motion
@@ -74,12 +74,12 @@ def write_walker(folder: Path, styles: Sequence[str] = ("Plain", "StoopedOver"),
 
 
 def write_takes(catalogue: Catalogue, folder: Path, gaits: Sequence[str], each: int = 6) -> Path:
-    """Up to so many takes of every style as somebody's own files: cut, at their own rate, by style."""
+    """Up to so many takes of every style as somebody's own files: cut, at their own rate and unit."""
     for style in catalogue.styles:
         for entry in [entry for entry in catalogue.of(style) if entry.gait in gaits][:each]:
-            clip = read_bvh(entry.path, metres_per_unit=catalogue.dataset.metres_per_unit)
+            clip, unit = read_with_unit(entry.path, metres_per_unit=catalogue.dataset.metres_per_unit)
             whole = clip.frames(entry.start, len(clip) if entry.stop is None else min(entry.stop, len(clip)))
-            write_bvh(folder / style / entry.path.name, whole)
+            write_bvh(folder / style / entry.path.name, whole, metres_per_unit=unit)
     return folder
 
 
