@@ -38,6 +38,9 @@ LEFT_OUT = ([] if WITHOUT else ["08"]) + ([] if BASE and NEUTRAL else ["12"])
 NOTEBOOKS = sorted(p.stem for p in Path("notebooks").glob("[0-9][0-9]_*.py") if p.stem[:2] not in LEFT_OUT)
 LAYERS = "motion data phase features models training runtime evaluation report".split()
 
+# One's own files are read where they lie, so a changed one must be noticed.
+OWN_FILES = sorted(map(str, Path(DATASET[4:]).rglob("*.[bB][vV][hH]"))) if DATASET.startswith("own:") else []
+
 DATA = f"build/data/{SET}.json"
 RUN = f"build/runs/{SET}-{PRESET}-{{run}}"
 SPARING = "lpn-film-seed0" if ALL_WITHOUT else "lpn-film-heldout-seed0"
@@ -69,7 +72,7 @@ def needs(wildcards):
     """What a notebook reads: the data, the other notebooks' numbers, or the trained runs."""
     if wildcards.notebook in ("01_data_and_skeleton", "02_local_phases", "10_global_phase_and_pfnn"):
         return DATA
-    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters"):
+    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters", "15_your_own_mocap"):
         return []
     if wildcards.notebook == "00_scorecard":
         return [f"{FIGURES}/{name}.json" for name in NOTEBOOKS if name != wildcards.notebook]
@@ -79,7 +82,7 @@ def needs(wildcards):
         return f"{HELD_OUT_RUN}/training.json"
     if wildcards.notebook == "12_few_shot":
         return expand(f"{RUN}/training.json", run=list(BASES))
-    one = wildcards.notebook in ("04_training", "09_play")
+    one = wildcards.notebook in ("04_training", "09_play", "13_gram_style_transfer")
     return expand(f"{RUN}/evaluation.json", run=[run for run in RUNS if run.startswith("lpn-film-")] if one else RUNS)
 
 
@@ -90,7 +93,7 @@ rule all:
 
 
 checkpoint data:
-    input: "data/registry.toml", code("data")
+    input: "data/registry.toml", OWN_FILES, code("data")
     output: DATA
     shell:
         """

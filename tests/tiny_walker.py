@@ -101,8 +101,10 @@ def of_model(model: str) -> Bundle:
 
 
 def _seen_by(model: str) -> tuple[list[StyleVectors], Layout]:
+    """Before the first step and after the last there is no global phase, which counts as none here."""
     layout = layout_for(model, BODY.layout)
-    return [for_gate(style_vectors(), layout)], layout
+    seen = for_gate(style_vectors(), layout)
+    return [replace(seen, p=np.nan_to_num(seen.p), y=np.nan_to_num(seen.y))], layout
 
 
 class Store(VectorStore):

@@ -16,16 +16,18 @@ from stylephase.cli.output import AsJson, emit
 from stylephase.data.registry import released_weights
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
-from stylephase.models.holden import GAITS
-from stylephase.models.released import RELEASE, load_weights
-from stylephase.models.released_pfnn import PFNN_RELEASE, fetch_pfnn, holden_skeleton, load_pfnn
+from stylephase.models.bundle import Bundle
+from stylephase.models.released import RELEASE
+from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
-from stylephase.runtime.calibration import calibrate, speed_of, warm_start
+from stylephase.runtime.calibration import calibrate, speed_of
 from stylephase.runtime.export import write_motion
-from stylephase.runtime.pfnn import pfnn_clip, roll_out_pfnn, start_pfnn
+from stylephase.runtime.finishing import RAW, Finishing
+from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
-from stylephase.runtime.rollout import Rollout, Tick, mixed_code, parse_mixture, roll_out, to_clip
+from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
+from stylephase.runtime.walkers import NetworkWalker, drive, load_any, walker_of
 
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
@@ -46,11 +48,15 @@ def rollout(
     speed: Annotated[float, typer.Option(help="Walking speed in m/s.")] = 1.0,
     turn: Annotated[float, typer.Option(help="Degrees per second to the left.")] = 0.0,
     strafe: Annotated[float, typer.Option(help="Degrees between facing and way, positive to the left.")] = 0.0,
+    raw: Annotated[
+        bool, typer.Option("--raw", help="As the network gives it: feet not held, hands not led, way not grounded.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Drive one character from a walking start, at a speed that the gain is calibrated for.
+    """Drive one character from a walking start, led to a speed, with feet that stay where they stand.
 
-    Holden's PFNN of 2017 (`pfnn-release`) has no styles but gaits, from the mean pose on, and its speed is as wished.
+    Holden's PFNN of 2017 (`pfnn-release`) has no styles but gaits, from the mean pose on. With `--raw` the authors'
+    weights walk under the authors' own controller.
     """
     _check(out, seconds, speed, (turn, strafe), path)
     points = None if path is None else read_path(path)
@@ -60,12 +66,11 @@ def rollout(
         return Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
 
     with tqdm(desc=out.name, unit="frame", disable=None) as bar:
-        drive = _holden if weights == PFNN_RELEASE else _styled
-        walk = drive(weights, style, out.stem, speed, plan, frames, bar.update)
+        walk = _walk(weights, style, out.stem, speed, plan, frames, RAW if raw else Finishing(), bar.update)
     _write(out, walk.clip, walk.contacts, style)
     result = {"out": out, "weights": weights, "licence": walk.licence, "style": walk.style}
     result |= {"frames": len(walk.clip), "fps": FPS, "gain": walk.gain, "speed": walk.speed}
-    result |= {"asked": speed, "near": bool(abs(walk.speed / speed - 1) <= _NEAR)}
+    result |= {"raw": raw, "asked": speed, "near": bool(abs(walk.speed / speed - 1) <= _NEAR)}
     text = f"{out}: {len(walk.clip)} frames of {style} at {walk.speed:.2f} m/s (asked: {speed:.2f}, "
     text += f"gain {walk.gain:.2f})"
     if not result["near"]:
@@ -89,32 +94,32 @@ class _Walk:
 _Plans = Callable[[Float[ndarray, "1"]], Plan]
 
 
-def _styled(weights: str, style: str, name: str, speed: float, plan: _Plans, frames: int, tick: Tick) -> _Walk:
-    """A walk by trained weights or the authors' own."""
-    mixture = parse_mixture(style)
-    bundle = load_weights(weights)
-    code = mixed_code(bundle, mixture)[None]
-    target = np.array([speed])
-    # The authors' weights walk under the authors' own controller.
-    how = controller.RELEASE if weights == RELEASE else controller.ControllerSettings()
-    start = warm_start(bundle, code, target)
-    gain = calibrate(bundle, code, start, target, settings=how, tick=tick)
-    run = roll_out(bundle, code, start, frames, plan(gain), how, tick)
+def _walk(
+    weights: str,
+    style: str,
+    name: str,
+    speed: float,
+    plan: _Plans,
+    frames: int,
+    finishing: Finishing,
+    tick: Tick,
+) -> _Walk:
+    """A walk by any network: trained weights, the authors' own, or Holden's."""
+    mixture, loaded = parse_mixture(style), load_any(weights)
+    walker = walker_of(loaded, controller.RELEASE if weights == RELEASE and finishing == RAW else None)
+    codes, wanted = walker.code(mixture)[None], np.array([speed])
+    start, gain = walker.start(codes), wanted
+    if isinstance(walker, NetworkWalker):
+        gain = calibrate(walker.bundle, codes, start, wanted, settings=walker.settings, tick=tick)
+    run = drive(walker, codes, start, frames, at_pace(plan(gain), wanted), finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
-    clip, reached = to_clip(run, 0, bundle.body, name), speed_of(run.root_positions[:, 0])
-    return _Walk(clip, run.contacts[:, 0] > 0.5, bundle.about.get("licence"), mixture, gain[0], reached)
+    clip, reached = to_clip(run, 0, walker.body, name), speed_of(run.root_positions[:, 0])
+    return _Walk(clip, run.contacts[:, 0] > 0.5, _licence(loaded), mixture, float(gain[0]), reached)
 
 
-def _holden(weights: str, gait: str, name: str, speed: float, plan: _Plans, frames: int, tick: Tick) -> _Walk:
-    """A walk by Holden's PFNN; the style is one of its gaits."""
-    if gait not in GAITS:
-        raise InputError(f"no gait {gait!r} in {weights}; there are {', '.join(GAITS)}")
-    skeleton, released = holden_skeleton(), load_pfnn(fetch_pfnn())
-    run = roll_out_pfnn(released, start_pfnn(released, 1), frames, plan(np.array([speed])), gait, tick)
-    clip, reached = pfnn_clip(run, 0, skeleton, name), speed_of(run.root_positions[:, 0])
-    licence = released_weights()[PFNN_RELEASE].licence
-    return _Walk(clip, run.contacts[:, 0] > 0.5, licence, {gait: 1.0}, 1.0, reached)
+def _licence(loaded: Bundle | ReleasedPfnn) -> str | None:
+    return loaded.about.get("licence") if isinstance(loaded, Bundle) else released_weights()[PFNN_RELEASE].licence
 
 
 def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float], path: Path | None) -> None:

@@ -24,9 +24,10 @@ from stylephase.runtime.keyboard import KeySettings, at_rest, steer_by_keys
 from stylephase.runtime.mixtures import CORNERS
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.player import Player
-from stylephase.runtime.rollout import Rollout, roll_out
+from stylephase.runtime.rollout import roll_out
 from stylephase.runtime.viewer.frames import frame_numbers
 from stylephase.runtime.viewer.widget import RECORDED_FPS
+from stylephase.runtime.walkers import as_rollout
 from stylephase.training.codes import clip_codes
 from stylephase.training.sampler import Scaling
 
@@ -84,14 +85,6 @@ def corner_walk(player: Player, corner: int, seconds: float) -> list[State]:
     player.mix(CORNERS[corner])
     scripted(player, [("w", 2)])
     return scripted(player, [("w", seconds)])
-
-
-def as_rollout(states: Sequence[State]) -> Rollout:
-    """States one after the other as a rollout."""
-    roots = [s.path.root for s in states]
-    arrays = [np.stack([getattr(s, name) for s in states]) for name in ("positions", "rotations", "contacts", "phases")]
-    places, angles = np.stack([r.positions for r in roots]), np.unwrap(np.stack([r.angles for r in roots]), axis=0)
-    return Rollout(arrays[0], arrays[1], places, angles, arrays[2], arrays[3])
 
 
 def motion_of(states: Sequence[State], body: Body, label: str) -> Motion:

@@ -29,6 +29,9 @@ _POSITION_BIAS, _DIRECTION_BIAS = 2.0, 2.0
 _POSE_SHARE = 0.5
 _POSE_PARTS = (holden.Y_POSITIONS, holden.Y_VELOCITIES)
 
+# One of the network's gaits, or how much of each gait there is in each character.
+Gait = str | Float[ndarray, "characters gaits"]
+
 
 @dataclass(frozen=True)
 class PfnnState:
@@ -81,16 +84,19 @@ def _rotations(values: Float[ndarray, "characters values"]) -> Float[ndarray, "c
     return Rotation.from_rotvec(2 * values.reshape(-1, 3)).as_matrix().reshape(len(values), holden.JOINTS, 3, 3)
 
 
-def pfnn_input(state: PfnnState, gait: str = "walk") -> Float[ndarray, "characters inputs"]:
+def gait_labels(gait: Gait) -> Float[ndarray, "characters gaits"]:
+    """How much of each gait there is; a single row where it is the same for all."""
+    return np.eye(len(holden.GAITS))[[holden.GAITS.index(gait)]] if isinstance(gait, str) else gait
+
+
+def pfnn_input(state: PfnnState, gait: Gait = "walk") -> Float[ndarray, "characters inputs"]:
     """The network's input (m): path, gait, the last pose; the ground is flat."""
     inverse, root = on_ground(-state.root.angles), state.root
     x = np.zeros((len(state.phase), holden.INPUTS))
     places = np.einsum("nij,npj->nip", inverse, state.places[:, _AT] - root.positions[:, None])
     facings = np.einsum("nij,npj->nip", inverse, state.facings[:, _AT])
     x[:, holden.X_PLACES], x[:, holden.X_FACINGS] = (part.reshape(len(x), -1) for part in (places, facings))
-    gaits = np.zeros((len(holden.GAITS), len(holden.SAMPLES)))
-    gaits[holden.GAITS.index(gait)] = 1.0
-    x[:, holden.X_GAITS] = gaits.ravel()
+    x[:, holden.X_GAITS] = np.repeat(gait_labels(gait), len(holden.SAMPLES), axis=1)
     x[:, holden.X_POSITIONS] = state.local.reshape(len(x), -1)
     x[:, holden.X_VELOCITIES] = state.velocities.reshape(len(x), -1)
     return x
@@ -104,7 +110,7 @@ def _predict(released: ReleasedPfnn, x: ndarray, phase: Float[ndarray, " charact
     return y * released.y_std + released.y_mean
 
 
-def step_pfnn(released: ReleasedPfnn, state: PfnnState, steering: Steering, gait: str = "walk") -> PfnnState:
+def step_pfnn(released: ReleasedPfnn, state: PfnnState, steering: Steering, gait: Gait = "walk") -> PfnnState:
     """The next frame: bend the path, predict, take the root's step, and lay the predicted future before it."""
     bent = _bent(state, steering)
     y, root = _predict(released, pfnn_input(bent, gait), state.phase), bent.root

@@ -1,6 +1,6 @@
 """One character that somebody plays: keys or a path, a mixture of three styles, a speed in metres per second."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import torch
@@ -9,59 +9,61 @@ from numpy import ndarray
 
 from stylephase.errors import InputError
 from stylephase.models.bundle import Bundle
-from stylephase.runtime.calibration import warm_start
-from stylephase.runtime.controller import Controller, ControllerSettings, Predict, State
-from stylephase.runtime.keyboard import KEYS, KeySettings, at_rest, steer_by_keys
+from stylephase.models.released_pfnn import ReleasedPfnn
+from stylephase.runtime.controller import ControllerSettings, Predict, State
+from stylephase.runtime.finishing import Finisher, Finishing
+from stylephase.runtime.keyboard import KEYS, RUN, KeySettings, at_rest, steer_by_keys
 from stylephase.runtime.limits import FASTEST, limited
 from stylephase.runtime.mixtures import CORNERS, barycentric, triangle_mixture
+from stylephase.runtime.pace import Pace
 from stylephase.runtime.paths import FollowPaths, drawn_path
-from stylephase.runtime.rollout import mixed_code
-from stylephase.runtime.speeds import SpeedCurve, mixed_gain, speed_curves
+from stylephase.runtime.speeds import SpeedCurve, mixed_gain, mixed_speed
 from stylephase.runtime.trajectory import Steering
+from stylephase.runtime.walkers import walker_of
 
-# Changes what is shown and fed back, such as inverse kinematics with locked feet.
-Post = Callable[[State], State]
 # A new mixture is taken on by this share a frame: a quarter of a second for most of it, so that nothing jumps.
 _BLEND = 0.1
+# Who wants less than this (m/s, times a gain) stands.
+_STANDS = 0.05
 
 
 class Player:
     """The character and what is wanted of it; `step` is one frame.
 
-    `styles` are the corners of the triangle, left, right and top. `curves` of styles that are known already spare
-    their measuring, which takes about a second a style. What is set takes effect with the next frame; odd values have
-    a defined effect: a speed that is no number is 0, one above `FASTEST` is that, unknown keys mean nothing. Raises
-    InputError for an unknown style, a path without length, and a point that is not finite; then nothing changes.
+    `weights` are of any network (walkers.py). `styles` are the corners of the triangle, left, right and top. `curves`
+    of styles that are known already spare their measuring, which takes about a second a style. The frames that `step`
+    gives are finished unless `finishing` says otherwise (`RAW` for the network's own), and the character is led to the
+    wanted speed (pace.py). What is set takes effect with the next frame; odd values have a defined effect: a speed that
+    is no number is 0, one above `FASTEST` is that, unknown keys mean nothing. Raises InputError for an unknown style, a
+    path without length, and a point that is not finite; then nothing changes.
     """
 
     def __init__(
         self,
-        bundle: Bundle,
+        weights: Bundle | ReleasedPfnn,
         styles: Sequence[str],
         *,
         speed: float = 1.0,
         curves: Mapping[str, SpeedCurve] | None = None,
         settings: ControllerSettings | None = None,
         keys: KeySettings | None = None,
-        post: Post | None = None,
+        finishing: Finishing | None = None,
         fast: Predict | None = None,
     ):
-        self.bundle, self.post, self.key_settings = bundle, post, keys or KeySettings()
-        self.settings, self.curves = settings or ControllerSettings(), dict(curves or {})
-        self.styles, self.point = _three(bundle, styles), np.asarray(CORNERS.mean(axis=0))
+        self.walker, self.key_settings = walker_of(weights, settings, fast), keys or KeySettings()
+        self.styles, self.point = self._three(styles), np.asarray(CORNERS.mean(axis=0))
+        self.finisher, self.curves = Finisher(self.walker.body, finishing), dict(curves or {})
         self.code = self._wanted_code()
-        self.start = warm_start(bundle, self.code[None], np.ones(1))
+        self.start = self.walker.start(self.code[None])
         self.measure(self.styles)
-        self.controller = Controller(bundle, self.code[None], self.settings, fast)
-        self.state, self.wish = self.start, at_rest(self.start)
-        self.speed, self.held, self.frame = speed, frozenset[str](), 0
-        self.path: FollowPaths | None = None
+        self.speed, self.held = speed, frozenset[str]()
+        self.reset()
 
     def measure(self, styles: Sequence[str]) -> None:
         """Measure the speed curves of styles that have none yet."""
         for style in dict.fromkeys(styles):
             if style not in self.curves:
-                self.curves |= speed_curves(self.bundle, [style], self.start, settings=self.settings)
+                self.curves |= self.walker.curves([style], grounded=self.finisher.how.grounded)
 
     @property
     def speed(self) -> float:
@@ -89,7 +91,7 @@ class Player:
 
     def choose(self, styles: Sequence[str]) -> None:
         """Other styles at the corners; their curves must have been measured."""
-        chosen = _three(self.bundle, styles)
+        chosen = self._three(styles)
         if missing := [style for style in chosen if style not in self.curves]:
             raise InputError(f"the speeds of style {missing[0]} have not been measured")
         self.styles = chosen
@@ -102,39 +104,48 @@ class Player:
 
     def reset(self) -> None:
         """Back to the start, standing."""
-        self.state, self.wish, self.path = self.start, at_rest(self.start), None
+        self.state, self.wish, self.path, self.frame = self.start, at_rest(self.start), None, 0
+        self.pace = Pace(1)
+        self.finisher.forget()
 
     def steering(self) -> Steering:
         """What is wanted now."""
-        gain = np.array([mixed_gain(self.curves, triangle_mixture(self.styles, self.point), self.speed)])
+        gain = self._gain()
         if self.path is not None:
             self.path.speeds = gain
             self.wish = self.path(self.frame, self.state)
             if self.path.reached[0] >= self.path.last[0]:
                 self.path = None
         else:
-            self.wish = steer_by_keys(self.held, self.wish, self.state, gain, self.key_settings)
+            # The gain is already that of running.
+            self.wish = steer_by_keys(self.held - {RUN}, self.wish, self.state, gain, self.key_settings)
         return limited(self.wish, self.state)
 
     def step(self) -> State:
-        """The next frame. A character that left the finite numbers starts anew."""
+        """The next frame, as it is shown. A character that left the finite numbers starts anew."""
         self.code = self.code + _BLEND * (self._wanted_code() - self.code)
-        self.controller.codes = self.code[None]
-        state = self.controller.step(self.state, self.steering())
-        state = state if self.post is None else self.post(state)
+        before = self.state
+        self.state, shown = self.finisher(before, self.walker.step(self.code[None], before, self.steering()))
         self.frame += 1
-        self.state = state
-        if not (np.isfinite(state.positions).all() and np.isfinite(state.path.positions).all()):
+        if not all(np.isfinite(part).all() for part in (shown.positions, self.state.positions, shown.path.positions)):
             self.reset()
-        return self.state
+            return self.state
+        return shown
+
+    def _gain(self) -> Float[ndarray, "1"]:
+        """The gain that leads to the wanted speed, or with Shift to a multiple of it."""
+        mixture = triangle_mixture(self.styles, self.point)
+        speed = min(self.speed * (self.key_settings.run if RUN in self.held else 1.0), FASTEST)
+        moving = np.linalg.norm(self.wish.velocity) > _STANDS
+        factors = self.pace(np.array([mixed_speed(self.curves, mixture, speed) * moving]), self.state)
+        return mixed_gain(self.curves, mixture, speed) * factors
 
     def _wanted_code(self) -> torch.Tensor:
-        return mixed_code(self.bundle, triangle_mixture(self.styles, self.point))
+        return self.walker.code(triangle_mixture(self.styles, self.point))
 
-
-def _three(bundle: Bundle, styles: Sequence[str]) -> tuple[str, ...]:
-    if len(styles) != 3:
-        raise InputError(f"the triangle has three corners, not {len(styles)}")
-    for style in styles:
-        bundle.code(style)
-    return tuple(styles)
+    def _three(self, styles: Sequence[str]) -> tuple[str, ...]:
+        if len(styles) != 3:
+            raise InputError(f"the triangle has three corners, not {len(styles)}")
+        for style in styles:
+            self.walker.code({style: 1.0})
+        return tuple(styles)

@@ -45,6 +45,11 @@ class SpeedCurve:
         share = round(share) if rising[k] - rising[k - 1] > _LEAP else share
         return float(self.gains[k - 1] + share * (self.gains[k] - self.gains[k - 1]))
 
+    def reached(self, speed: float) -> float:
+        """The speed (m/s) at the gain that is given for a speed: the same, or the nearest that the style has."""
+        gain = self.gain(speed)
+        return float(np.interp(gain, self.gains, np.maximum.accumulate(self.speeds))) if gain else 0.0
+
     def __len__(self) -> int:
         return len(self.gains)
 
@@ -61,14 +66,18 @@ def speed_curves(
     *,
     settings: ControllerSettings | None = None,
     tick: Tick = quiet,
+    grounded: bool = False,
 ) -> dict[str, SpeedCurve]:
     """The curve of each style, all gains side by side; `start` holds one character per style.
+
+    With `grounded` they move as their standing feet let them, which is slower.
 
     Gains at which a character does not stay finite are left out. Raises InputError where none is left.
     """
     codes = torch.stack([bundle.code(style) for style in styles]).repeat_interleave(len(_GAINS), dim=0)
     gains, frames = np.tile(_GAINS, len(styles)), int(_SECONDS * FPS)
-    run = roll_out(bundle, codes, start.repeated(len(_GAINS)), frames, Steady(gains), settings, tick)
+    many, plan = start.repeated(len(_GAINS)), Steady(gains)
+    run = roll_out(bundle, codes, many, frames, plan, settings, tick, grounded=grounded)
     half = run.root_positions[frames // 2 :]
     speeds = np.array([speed_of(half[:, k]) for k in range(len(gains))])
     kept = (run.finite & np.isfinite(speeds)).reshape(len(styles), -1)
@@ -78,6 +87,12 @@ def speed_curves(
             raise InputError(f"style {style} does not stay finite at any speed")
         curves[style] = SpeedCurve(_GAINS[good], row[good])
     return curves
+
+
+def mixed_speed(curves: Mapping[str, SpeedCurve], mixture: Mapping[str, float], speed: float) -> float:
+    """The speed (m/s) of a mixture that comes nearest to a wanted one: the mean of its styles', by their weights."""
+    whole = sum(mixture.values())
+    return sum(weight / whole * curves[style].reached(speed) for style, weight in mixture.items())
 
 
 def mixed_gain(curves: Mapping[str, SpeedCurve], mixture: Mapping[str, float], speed: float) -> float:

@@ -101,11 +101,11 @@ class TestRollout:
         """In degrees on the command line, in radians inside; at the calibrated gain."""
         plans = []
 
-        def note(bundle, code, start, frames, plan, *others):
+        def note(plan, wanted):
             plans.append(plan)
             raise KeyboardInterrupt
 
-        monkeypatch.setattr(rollout, "roll_out", note)
+        monkeypatch.setattr(rollout, "at_pace", note)
         (tmp_path / "way.txt").write_text("0 0\n-3 0\n")
         assert roll(turn="-90", strafe="45")[0] == 130 and roll(path=tmp_path / "way.txt")[0] == 130
         steady, follow = plans

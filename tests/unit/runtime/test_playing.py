@@ -13,16 +13,20 @@ from stylephase.errors import InputError
 from stylephase.runtime import calibration, speeds
 from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.controller import Controller, ControllerSettings, State, input_of
+from stylephase.runtime.finishing import RAW
 from stylephase.runtime.keyboard import RELEASE_KEYS, at_rest, steer_by_keys
 from stylephase.runtime.limits import FASTEST, MOST_WISH, limited, teleported, within_limits
 from stylephase.runtime.mixtures import CORNERS, barycentric, triangle_mixture
 from stylephase.runtime.paths import SPACING, FollowPaths, Recorded, drawn_path, even_path, record_of
 from stylephase.runtime.plans import FollowPath, Steady
 from stylephase.runtime.player import Player
+from stylephase.runtime.rig import rig_of
 from stylephase.runtime.rollout import roll_out
-from stylephase.runtime.speeds import SpeedCurve, mixed_gain, speed_curves
+from stylephase.runtime.speeds import SpeedCurve, mixed_gain, mixed_speed, speed_curves
 from stylephase.runtime.trajectory import Steering
 
+PARENTS = list(rig_of(tiny.BODY).parents[1:])
+LENGTHS = np.linalg.norm(rig_of(tiny.BODY).offsets[1:], axis=-1)
 STRAIGHT = SpeedCurve(np.arange(0.25, 12.0, 0.25), np.arange(0.25, 12.0, 0.25))
 NAN, INF = float("nan"), float("inf")
 
@@ -106,6 +110,13 @@ class TestSpeeds:
     def test_within_a_leap_the_nearer_gait_is_taken(self):
         curve = SpeedCurve(np.array([1.0, 3.0]), np.array([1.0, 3.0]))
         assert curve.gain(1.8) == 1.0 and curve.gain(2.2) == 3.0
+
+    def test_the_speed_of_a_gain_is_the_wanted_one_where_the_style_has_it(self):
+        curve = SpeedCurve(np.array([1.0, 2.0, 4.0]), np.array([0.5, 0.8, 1.2]))
+        assert [curve.reached(speed) for speed in (0.65, 1.0, 9.0, 0.1, 0.0)] == pytest.approx([0.65, 1.0, 1.2, 0.5, 0])
+        leap = SpeedCurve(np.array([1.0, 3.0]), np.array([1.0, 3.0]))
+        assert (leap.reached(1.8), leap.reached(2.2)) == (1.0, 3.0)
+        assert mixed_speed({"a": curve, "b": leap}, {"a": 1.0, "b": 3.0}, 0.8) == pytest.approx(0.95)
 
     def test_a_mixtures_gain_is_the_mean_whatever_the_weights_sum(self):
         curves = {"Old": SpeedCurve(np.array([1.0, 2.0]), np.array([0.5, 1.0])), "Plain": STRAIGHT}
@@ -229,12 +240,11 @@ class TestPlayer:
         before = player.code
         player.mix((0.0, 0.0))
         player.step()
-        target = player.bundle.code(tiny.STYLES[0])
+        target = player.walker.code({tiny.STYLES[0]: 1.0})
         torch.testing.assert_close(player.code, before + 0.1 * (target - before))
         for _ in range(150):
             player.step()
         torch.testing.assert_close(player.code, target, atol=1e-4, rtol=1e-4)
-        torch.testing.assert_close(player.controller.codes, player.code[None])
 
     def test_a_drawn_path_is_followed_to_its_end_and_a_key_ends_it(self):
         player = self.player(speed=1.5)
@@ -272,20 +282,36 @@ class TestPlayer:
         assert player.styles == tiny.STYLES[:3] and player.path is None
         np.testing.assert_allclose(player.weights, 1 / 3)
 
-    def test_a_character_that_bursts_starts_anew(self):
-        burst = {"at": 5}
+    def test_a_character_that_bursts_starts_anew(self, monkeypatch):
+        player = self.player()
+        step, burst = player.walker.step, {"at": 5}
 
-        def post(state: State) -> State:
-            burst["at"] -= 1
-            return replace(state, positions=state.positions * NAN) if burst["at"] == 0 else state
+        def bursting(codes, state: State, steering) -> State:
+            after, burst["at"] = step(codes, state, steering), burst["at"] - 1
+            return replace(after, positions=after.positions * NAN) if burst["at"] == 0 else after
 
-        player = self.player(post=post)
+        monkeypatch.setattr(player.walker, "step", bursting)
         for _ in range(8):
             assert np.isfinite(player.step().positions).all()
+        assert player.frame == 3
 
-    def test_what_post_makes_is_fed_back(self):
-        player = self.player(post=lambda state: replace(state, contacts=state.contacts * 0 + 7))
-        assert (player.step().contacts == 7).all() and (player.state.contacts == 7).all()
+    def test_frames_are_finished_unless_raw_is_asked_for(self):
+        """Bones of the shown pose are the skeleton's, and the network goes on with its own pose."""
+        for finishing, constant in ((None, True), (RAW, False)):
+            player = self.player(finishing=finishing)
+            player.code = player.code + 1
+            shown = player.step()
+            lengths = np.linalg.norm(shown.positions[0, 1:] - shown.positions[0, PARENTS], axis=-1)
+            assert (np.abs(lengths - LENGTHS).max() < 1e-9) == constant
+            assert (np.abs(shown.positions - player.state.positions).max() > 1e-3) == constant
+
+    def test_shift_multiplies_the_speed_wanted_and_not_the_gain_of_walking(self):
+        player = self.player(speed=1.0)
+        player.curves = dict.fromkeys(tiny.STYLES, SpeedCurve(np.array([1.0, 2.0, 9.0]), np.array([0.5, 1.0, 2.0])))
+        player.hold({"w", "shift"})
+        for _ in range(60):
+            player.step()
+        assert np.linalg.norm(player.wish.velocity) == pytest.approx(9.0, rel=0.05)
 
     def test_styles_without_a_curve_are_measured(self, monkeypatch):
         monkeypatch.setattr(speeds, "_SECONDS", 1.5)

@@ -49,10 +49,18 @@ def _head(body: Body) -> dict[str, float | int]:
 
 def frame_numbers(state: State, speed: float) -> Float[ndarray, " values"]:
     """One frame of one character, as float32, in the order of `frame_layout`."""
-    at = np.array(INPUT_SAMPLES) + PAST
+    points = state.path.positions.shape[1]
+    at = np.minimum(np.array(INPUT_SAMPLES) + PAST, points - 1)
     path = np.concatenate([state.path.positions[0, at], state.path.directions[0, at]], axis=1)
-    parts = (state.positions[0].ravel(), path.ravel(), state.contacts[0], state.phases[0], [speed])
+    parts = (state.positions[0].ravel(), path.ravel(), state.contacts[0], _dials(state.phases[0]), [speed])
     return np.concatenate(parts).astype(np.float32)
+
+
+def _dials(phases: Float[ndarray, " gate_inputs"]) -> Float[ndarray, "8"]:
+    """Phase vectors of the four limbs: all alike of a global phase (rad), of no length where there is no phase."""
+    if len(phases) == 1:
+        return np.tile([np.sin(phases[0]), np.cos(phases[0])], len(_LIMBS))
+    return phases if len(phases) == 2 * len(_LIMBS) else np.zeros(2 * len(_LIMBS))
 
 
 def frame_layout(joints: int) -> dict[str, tuple[int, int]]:

@@ -49,11 +49,11 @@ class Viewer(anywidget.AnyWidget):
         self._task: asyncio.Task[None] | None = None
         self._choosing: asyncio.Task[None] | None = None
         self._track = [player.state.path.root.positions[0]] * _SPEED_FRAMES
-        body = player.bundle.body
+        body = player.walker.body
         shape = body_shape(body) | {"layout": frame_layout(len(body.joints)), "speed": player.speed}
         shape |= {"recorded_fps": RECORDED_FPS}
         kept = b"" if recording is None else recording.astype(np.float16).tobytes()
-        super().__init__(shape=shape, styles=list(player.bundle.styles), chosen=list(player.styles), recording=kept)
+        super().__init__(shape=shape, styles=list(player.walker.styles), chosen=list(player.styles), recording=kept)
         self.on_msg(lambda _, content, buffers: self.receive(content))
 
     @property
@@ -93,7 +93,7 @@ class Viewer(anywidget.AnyWidget):
     def _choose(self, styles: Sequence[str]) -> None:
         """Measure new styles on a thread while the character walks on, then take them."""
         for style in styles:
-            self.player.bundle.code(style)
+            self.player.walker.code({style: 1.0})
 
         async def measured() -> None:
             await asyncio.to_thread(self.player.measure, styles)
