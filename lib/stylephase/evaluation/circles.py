@@ -120,7 +120,7 @@ def walk_courses(
     `hips` are recorded heights (m), `start` holds one character for each style.
     """
     gains = gains_for(bundle, codes, start, speeds)
-    ways = [(0.0, "straight", circle(0, 1))]
+    ways = [(0.0, "straight", circle(0.0, 1.0))]
     ways += [(radius, hand, circle(radius, sign)) for radius in radii for hand, sign in HANDS.items()]
     each, count = len(ways), len(styles)
     plan = FollowPaths([way for _ in styles for *_, way in ways], np.repeat(gains, each))

@@ -10,12 +10,11 @@ import numpy as np
 import torch
 from jaxtyping import Float
 from numpy import ndarray
-from torch import Tensor
+from torch import Tensor, nn
 
 from stylephase.features.layout import FPS, Layout
 from stylephase.features.normaliser import Normaliser
 from stylephase.features.store import StyleVectors
-from stylephase.models.synthesis import Synthesis
 
 # Frames that only settle, and the most that are looked at after them.
 SETTLE, MOST = 60, 180
@@ -48,7 +47,7 @@ def recorded_part(take: StyleVectors, layout: Layout) -> Driven:
 
 @np.errstate(over="ignore", invalid="ignore")
 def drive(
-    network: Synthesis,
+    network: nn.Module,
     layout: Layout,
     normaliser: Normaliser,
     codes: Float[Tensor, "takes values"],
@@ -80,7 +79,7 @@ def _padded(rows: ndarray, length: int) -> ndarray:
     return rows[np.minimum(np.arange(length), len(rows) - 1)].astype(float)
 
 
-def _predict(network: Synthesis, n: Normaliser, x: ndarray, p: ndarray, codes: Tensor) -> ndarray:
+def _predict(network: nn.Module, n: Normaliser, x: ndarray, p: ndarray, codes: Tensor) -> ndarray:
     scaled = ((x - n.x_mean) / n.x_std, (p - n.p_mean) / n.p_std)
     with torch.inference_mode():
         y = network(*(torch.from_numpy(v).float() for v in scaled), codes).double().numpy()

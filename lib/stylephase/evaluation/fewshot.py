@@ -1,5 +1,6 @@
 """Few-shot learning put to the test: new styles from one short walk each, on real takes that nobody learned from."""
 
+import copy
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -93,6 +94,12 @@ class Study:
         known = list(self.base_cycles.values())
         return np.array([min(apart(self.clip_cycles[name], base) for base in known) for name in self.names])
 
+    def at_speed(self, factor: float) -> "Study":
+        """The same with another wish: so many times each clip's speed."""
+        other = copy.copy(self)
+        object.__setattr__(other, "speeds", factor * self.speeds)
+        return other
+
     @cached_property
     def start(self) -> State:
         """Each style at a frame of its clip."""
@@ -147,10 +154,13 @@ class Found:
     seconds: float = 0.0
 
     def over(self, gaits: Sequence[str], what: str = "errors") -> Float[ndarray, " styles"]:
-        """Mean over some gaits for each style."""
-        rows = np.stack([getattr(self, what)[gait] for gait in gaits if gait in self.errors])
-        known = np.isfinite(rows) | np.isinf(rows)
-        return np.where(known, rows, 0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        """Mean over some gaits for each style; NaN for a style without a take of any."""
+        none = np.full_like(next(iter(self.errors.values())), np.nan)
+        rows = np.stack([getattr(self, what).get(gait, none) for gait in gaits])
+        known = ~np.isnan(rows)
+        return np.where(
+            known.any(axis=0), np.where(known, rows, 0).sum(axis=0) / np.maximum(known.sum(axis=0), 1), np.nan
+        )
 
     @property
     def walking(self) -> Float[ndarray, " styles"]:
@@ -182,7 +192,7 @@ def found_of(study: Study, label: str, cycles: Mapping[tuple[str, str], Cycle | 
     return Found(label, errors, right, cycles, seconds)
 
 
-def tested(
+def led_along(
     study: Study,
     label: str,
     bundle: Bundle,
@@ -224,10 +234,10 @@ def learned(
     before = time.process_time()
     lessons = [Lesson(style.clip, how, cycles) for style in study.styles]
     bundle = add_styles(base or study.base, lessons, schedule)
-    return Learned(bundle, tested(study, label, bundle, bundle.code, seconds=time.process_time() - before))
+    return Learned(bundle, led_along(study, label, bundle, bundle.code, seconds=time.process_time() - before))
 
 
-def tested_each(study: Study, label: str, bundles: Mapping[str, Bundle], seconds: float = 0.0) -> Found:
+def led_each(study: Study, label: str, bundles: Mapping[str, Bundle], seconds: float = 0.0) -> Found:
     """The same where each style has weights of its own, with statistics of its own."""
     cycles: dict[tuple[str, str], Cycle | None] = {}
     for name, bundle in bundles.items():
@@ -301,8 +311,9 @@ class Middle:
 
     @property
     def interval(self) -> list[float]:
-        """Value, low and high as a plain list."""
-        return [round(part, 3) for part in (self.value, self.low, self.high)]
+        """Value, low and high as a plain list; empty where nothing was known."""
+        parts = [round(part, 3) for part in (self.value, self.low, self.high)]
+        return parts if np.isfinite(parts).all() else []
 
 
 def middle(values: Float[ndarray, " styles"], seed: int = 0) -> Middle:
@@ -318,6 +329,8 @@ def share(values: Bool[ndarray, " styles"] | Float[ndarray, " styles"], seed: in
     """Mean and interval of a share of each style."""
     kept = np.asarray(values, dtype=float)
     kept = kept[np.isfinite(kept)]
+    if not len(kept):
+        return Middle(float("nan"), float("nan"), float("nan"))
     picks = np.random.default_rng(seed).integers(len(kept), size=(_DRAWS, len(kept)))
     return Middle(float(kept.mean()), *interval_of(kept[picks].mean(axis=1)))
 
