@@ -74,6 +74,7 @@ def turns(changed: Bool[ndarray, "parts steps"], parts: Sequence[str]) -> Axes:
         for row, column in np.argwhere(changed):
             axes.add_patch(_square(column, row, tones[row]))
         axes.set(xlim=(-0.6, changed.shape[1] - 0.4), ylim=(len(parts) - 0.4, -0.6), xlabel="step")
+        axes.set_xticks(range(0, changed.shape[1], max(len(parts) - 1, 1)))
         axes.set_yticks(range(len(parts)), list(parts))
         axes.grid(visible=False)
     return axes
