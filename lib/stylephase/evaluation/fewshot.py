@@ -84,7 +84,7 @@ class Study:
     def base_cycles(self) -> dict[str, Cycle]:
         """The mean cycle of one recorded walk of each base style."""
         return {
-            name: cycle_of(whole_of(for_gate(first_walk(self.store.load(name)), self.base.layout), self.base))
+            name: cycle_of(whole_of(for_gate(first_take(self.store.load(name)), self.base.layout), self.base))
             for name in self.base.styles
         }
 
@@ -128,9 +128,9 @@ def study_of(store: VectorStore, base: Bundle, names: Sequence[str], neutral: st
     return Study(store, base, tuple(new_style(store, name) for name in names), neutral)
 
 
-def first_walk(style: StyleVectors) -> StyleVectors:
-    """The first walk of a style, or its first take where none is called so."""
-    take = next((k for k, gait in enumerate(style.gaits) if gait in WALKS), 0)
+def first_take(style: StyleVectors, gaits: Sequence[str] = WALKS) -> StyleVectors:
+    """The first take of a style that is of some gaits (walks, unless told otherwise), or its first where none is."""
+    take = next((k for k, gait in enumerate(style.gaits) if gait in gaits), 0)
     rows = style.take == take
     kinds = {name: getattr(style, name)[rows] for name in ("x", "p", "y", "phase", "phase_update", "take", "part")}
     return replace(style, **kinds)
@@ -372,8 +372,22 @@ def with_the_clips_posture(study: Study, neutral: Found) -> Found:
     return found_of(study, "neutral, posture moved", moved)
 
 
+def real_jolts(study: Study, turning: Sequence[str]) -> float:
+    """The strongest jolt of recorded turns against recorded walks, as their ratio in the median base style; 1 where
+    nobody is recorded turning."""
+    ratios = []
+    for name in study.base.styles:
+        style = study.store.load(name)
+        if set(turning) & set(style.gaits):
+            both = (first_take(style, gaits) for gaits in (turning, WALKS))
+            turn, walk = (whole_of(for_gate(take, study.base.layout), study.base).places for take in both)
+            ratios.append(snap(turn) / snap(walk))
+    return float(np.median(ratios)) if ratios else 1.0
+
+
 def snap(positions: Float[ndarray, "frames joints 3"]) -> float:
-    """The strongest jolt of a motion: the largest mean acceleration (m/s2) of the joints over a tenth of a second."""
+    """The strongest jolt of a motion: the largest mean acceleration (m/s2) of the joints, seen from the root, over a
+    tenth of a second."""
     bend = np.linalg.norm(np.diff(positions, 2, axis=0), axis=-1).mean(axis=1) * 3600
     window = np.ones(6) / 6
     return float(np.convolve(bend, window, mode="valid").max()) if len(bend) >= 6 else 0.0

@@ -15,6 +15,7 @@ from stylephase.features.layout import FPS
 from stylephase.features.store import StyleVectors, style_vectors
 from stylephase.features.vectors import vectors
 from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.motion.contacts import ContactRule
 from stylephase.motion.root import root_of
 from stylephase.phase.local import variant
 from stylephase.phase.source import sourcing
@@ -46,11 +47,22 @@ def captured_clip(path: Path, body: Body, data: str) -> Clip:
 
 
 def clip_vectors(
-    clip: Clip, style: str, body: Body, phases: str, data: str, *, symmetric: bool, gait: str = "any"
+    clip: Clip,
+    style: str,
+    body: Body,
+    phases: str,
+    data: str,
+    *,
+    symmetric: bool,
+    gait: str = "any",
+    rule: ContactRule | None = None,
 ) -> StyleVectors:
-    """Vectors of one clip at 60 frames a second, all of them to train on, with contacts by the rule of `data`."""
+    """Vectors of one clip at 60 frames a second, all of them to train on, with contacts by the rule of `data`.
+
+    A `rule` takes the place of that.
+    """
     pose = forward_kinematics(clip)
-    movement = movement_of(pose, body.skeleton, FPS, _source(data).contact)
+    movement = movement_of(pose, body.skeleton, FPS, rule or _source(data).contact)
     take = movement_phases(movement, sourcing([movement]), variant(phases))
     made = vectors(pose, body.skeleton, body.rest, FPS, take.local.vectors, take.contacts, take.global_phase)
     arrays = {kind: value.astype(np.float32) for kind, value in vars(made).items()}

@@ -31,7 +31,7 @@ def ways(errors: Mapping[str, Middle], floor: float) -> Axes:
 
 
 def sweeps(panels: Mapping[str, Mapping[str, Mapping[float, Middle]]], labels: Mapping[str, str]) -> list[Axes]:
-    """Lines of the error over a setting, one panel each, with their intervals as bands."""
+    """Lines of the error over a setting, one panel each, with their intervals."""
     with plots.style():
         figure = Figure(figsize=(_WIDTH, 2.9))
         row = list(figure.subplots(1, len(panels), sharey=True, squeeze=False)[0])
@@ -41,10 +41,11 @@ def sweeps(panels: Mapping[str, Mapping[str, Mapping[float, Middle]]], labels: M
                 colour = palette.SEQUENCE[k % len(palette.SEQUENCE)]
                 axes.plot(at, [m.value for m in values], marker="o", color=colour, label=label)
                 low, high = ([getattr(m, end) for m in values] for end in ("low", "high"))
-                axes.fill_between(at, low, high, color=colour, alpha=0.12, linewidth=0)
+                # A little apart, so that one line does not hide the next.
+            axes.vlines(np.array(at) + 0.004 * k * np.ptp(at), low, high, color=colour, linewidth=1.2, alpha=0.6)
             axes.set(title=title, xlabel=labels[title])
             axes.legend()
-        row[0].set_ylabel("pose error (cm)")
+        row[0].set_ylabel("mean pose error (cm)")
     return row
 
 
@@ -74,6 +75,7 @@ def turns(changed: Bool[ndarray, "parts steps"], parts: Sequence[str]) -> Axes:
         for row, column in np.argwhere(changed):
             axes.add_patch(_square(column, row, tones[row]))
         axes.set(xlim=(-0.6, changed.shape[1] - 0.4), ylim=(len(parts) - 0.4, -0.6), xlabel="step")
+        axes.set_xticks(range(0, changed.shape[1], max(len(parts) - 1, 1)))
         axes.set_yticks(range(len(parts)), list(parts))
         axes.grid(visible=False)
     return axes
