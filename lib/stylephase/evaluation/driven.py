@@ -269,6 +269,20 @@ def costs(
     return {name: 1000 * seconds for name, seconds in found.items()}
 
 
+def one_frame(
+    bundle: Bundle,
+    codes: Float[Tensor, "characters values"],
+    start: State,
+    gains: Float[ndarray, " characters"],
+    *,
+    fast: Predict | None = None,
+) -> Rollout:
+    """A single raw frame after the start, twice, since poses are seen with their velocities."""
+    walker = NetworkWalker(bundle, fast=fast)
+    after = walker.step(codes, start, Steady(gains)(0, start))
+    return as_rollout([start, after])
+
+
 def difference(run: Rollout, other: Rollout, body: Body) -> float:
     """Mean distance (mm) between the joints of two rollouts as seen from their roots, over all characters.
 
