@@ -21,13 +21,14 @@ from stylephase.models.released import RELEASE
 from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
-from stylephase.runtime.calibration import calibrate, speed_of
+from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.export import write_motion
 from stylephase.runtime.finishing import RAW, Finishing
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
 from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
-from stylephase.runtime.walkers import NetworkWalker, drive, load_any, walker_of
+from stylephase.runtime.speeds import mixed_gain, mixed_speed
+from stylephase.runtime.walkers import drive, load_any, walker_of
 
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
@@ -107,11 +108,10 @@ def _walk(
     """A walk by any network: trained weights, the authors' own, or Holden's."""
     mixture, loaded = parse_mixture(style), load_any(weights)
     walker = walker_of(loaded, controller.RELEASE if weights == RELEASE and finishing == RAW else None)
-    codes, wanted = walker.code(mixture)[None], np.array([speed])
-    start, gain = walker.start(codes), wanted
-    if isinstance(walker, NetworkWalker):
-        gain = calibrate(walker.bundle, codes, start, wanted, settings=walker.settings, tick=tick)
-    run = drive(walker, codes, start, frames, at_pace(plan(gain), wanted), finishing, tick)
+    codes = walker.code(mixture)[None]
+    curves = walker.curves(list(mixture), grounded=finishing.grounded)
+    gain, wanted = (np.array([of(curves, mixture, speed)]) for of in (mixed_gain, mixed_speed))
+    run = drive(walker, codes, walker.start(codes), frames, at_pace(plan(gain), wanted), finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
     clip, reached = to_clip(run, 0, walker.body, name), speed_of(run.root_positions[:, 0])
