@@ -157,7 +157,7 @@ def effect(values: Float[ndarray, " cases"], seed: int = 0) -> tuple[float, floa
     return mean_with_interval(values[None], np.random.default_rng(seed))
 
 
-def triples(styles: Sequence[str], most: int = 5, seed: int = 0) -> list[tuple[str, str, str]]:
+def triples(styles: Sequence[str], most: int = 7, seed: int = 0) -> list[tuple[str, str, str]]:
     """Threes of styles without one twice, drawn by chance; one of repeated styles where there are fewer than three."""
     drawn = [styles[int(k)] for k in np.random.default_rng(seed).permutation(len(styles))]
     found = [(drawn[k], drawn[k + 1], drawn[k + 2]) for k in range(0, len(drawn) - 2, 3)]
@@ -234,10 +234,10 @@ def _record_finishing(recorder: Recorder, found: Found) -> None:
 
 def _record_mixing(recorder: Recorder, found: Found) -> None:
     changing, held, jumping = np.log(found.mixing).T
-    (value, _, high), (null, low, _) = (np.exp(effect(part - held)) for part in (changing, jumping))
-    smooth = bool(high <= JOLT < low)
-    note = f"largest acceleration {value:.2f} times that of held mixtures (at most {high:.2f}), {null:.2f} times where "
-    note += f"the mixture jumps; {len(held)} triangles"
+    (value, _, high), (null, low, _) = (np.exp(effect(part)) for part in (changing - held, jumping - changing))
+    smooth = bool(high <= JOLT and low > 1)
+    note = f"largest acceleration {value:.2f} times that of held mixtures (at most {high:.2f}); where the mixture "
+    note += f"jumps {null:.2f} times as much again (at least {low:.2f}); {len(held)} triangles"
     recorder.claim("m22-demo-three-styles", verdict="reproduced" if smooth else "differs", value=smooth, note=note)
 
 
