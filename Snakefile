@@ -21,11 +21,25 @@ WITHOUT = config.get("without", HELD_OUT.get(DATASET, ""))
 # As in [M22] no model sees the styles kept back from its 100; elsewhere styles are few, and one more run spares some.
 ALL_WITHOUT = WITHOUT if WITHOUT == KEPT_BACK else ""
 
+# Styles of the base that few-shot learning begins with (notebook 12), and its neutral style, which has a base of its
+# own. Of other data sets, name them to have that notebook: --config base=ONE,OTHER neutral=ONE.
+BASE = config.get("base", {
+    "synthetic": "ChestOut,GiantStrides,KneesUp,Plain,PocketHands,QuickShuffle,Sleepwalk,SlowProcession",
+    "bandai-namco": ",".join(f"set2-{style}" for style in (
+        "active", "elderly", "exhausted", "feminine", "masculine", "normal", "youthful")),
+}.get(DATASET, ""))
+NEUTRAL = config.get("neutral", {"synthetic": "Plain", "bandai-namco": "set2-normal"}.get(DATASET, ""))
+BASES = {"pfnn-cp-base-seed0": BASE, "pfnn-cp-normal-seed0": NEUTRAL}
+
 # A data set's name may hold a path (own:FOLDER), a folder's name may not.
 SET = DATASET.replace(":", "-").replace("/", "-")
 RUNS = [f"{model}-seed{seed}" for model in MODELS for seed in SEEDS]
-NOTEBOOKS = sorted(path.stem for path in Path("notebooks").glob("[0-9][0-9]_*.py") if WITHOUT or path.stem[:2] != "08")
+LEFT_OUT = ([] if WITHOUT else ["08"]) + ([] if BASE and NEUTRAL else ["12"]) + ([] if BASE else ["13"])
+NOTEBOOKS = sorted(p.stem for p in Path("notebooks").glob("[0-9][0-9]_*.py") if p.stem[:2] not in LEFT_OUT)
 LAYERS = "motion data phase features models training runtime evaluation report".split()
+
+# One's own files are read where they lie, so a changed one must be noticed.
+OWN_FILES = sorted(map(str, Path(DATASET[4:]).rglob("*.[bB][vV][hH]"))) if DATASET.startswith("own:") else []
 
 DATA = f"build/data/{SET}.json"
 RUN = f"build/runs/{SET}-{PRESET}-{{run}}"
@@ -38,7 +52,8 @@ COPIES = f"build/notebooks/{SET}-{PRESET}"
 shell.prefix("set -euo pipefail; exec 2>&1; ")
 
 wildcard_constraints:
-    style="[^/]+", model="[a-z-]+", seed="[0-9]+", run="[a-z-]+-seed[0-9]+", notebook="[0-9]{2}_[a-z_]+"
+    style="[^/]+", model="[a-z-]+", seed="[0-9]+", run="[a-z-]+-seed[0-9]+", notebook="[0-9]{2}_[a-z_]+",
+    base="base|normal"
 
 
 def code(layer):
@@ -57,7 +72,7 @@ def needs(wildcards):
     """What a notebook reads: the data, the other notebooks' numbers, or the trained runs."""
     if wildcards.notebook in ("01_data_and_skeleton", "02_local_phases", "10_global_phase_and_pfnn"):
         return DATA
-    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters"):
+    if wildcards.notebook in ("03_models_and_costs", "11_residual_adapters", "15_your_own_mocap"):
         return []
     if wildcards.notebook == "00_scorecard":
         return [f"{FIGURES}/{name}.json" for name in NOTEBOOKS if name != wildcards.notebook]
@@ -65,6 +80,10 @@ def needs(wildcards):
         return expand(f"{RUN}/evaluation.json", run=["lpn-film-seed0", "lpn-onehot-seed0"])
     if wildcards.notebook == "08_new_styles":
         return f"{HELD_OUT_RUN}/training.json"
+    if wildcards.notebook == "12_few_shot":
+        return expand(f"{RUN}/training.json", run=list(BASES))
+    if wildcards.notebook == "13_gram_style_transfer":
+        return f"build/runs/{SET}-{PRESET}-pfnn-cp-base-seed0/training.json"
     one = wildcards.notebook in ("04_training", "09_play")
     return expand(f"{RUN}/evaluation.json", run=[run for run in RUNS if run.startswith("lpn-film-")] if one else RUNS)
 
@@ -76,7 +95,7 @@ rule all:
 
 
 checkpoint data:
-    input: "data/registry.toml", code("data")
+    input: "data/registry.toml", OWN_FILES, code("data")
     output: DATA
     shell:
         """
@@ -137,7 +156,21 @@ rule train_without:
         """
 
 
-ruleorder: train_without > train
+rule train_base:
+    input: f"build/runs/{SET}-{PRESET}-pfnn-cp-{{base}}-seed0/begun"
+    output: f"build/runs/{SET}-{PRESET}-pfnn-cp-{{base}}-seed0/training.json"
+    params:
+        folder=lambda wildcards, output: Path(output[0]).parent,
+        styles=lambda wildcards: BASES[f"pfnn-cp-{wildcards.base}-seed0"],
+    shell:
+        """
+        echo "Training the base pfnn-cp-{wildcards.base} on {DATASET}"
+        stylephase train --model pfnn-cp --data {DATASET:q} --preset {PRESET} --seed 0 --styles {params.styles:q} \
+            --out {params.folder:q} --resume --json > {output:q}
+        """
+
+
+ruleorder: train_without > train_base > train
 
 
 rule evaluate:

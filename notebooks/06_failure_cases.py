@@ -72,7 +72,7 @@ class Case:
 
 
 def first_runs(dataset: str, preset: str) -> dict[str, Run]:
-    groups = by_model(find_runs(ROOT / runs_folder, dataset, preset))
+    groups = by_model(find_runs(ROOT / runs_folder, dataset, preset, weights=True))
     return {model: runs[0] for model, runs in groups.items()}
 
 

@@ -37,7 +37,7 @@ import numpy as np
 from IPython.display import Image, Markdown, Video
 
 from stylephase.data.catalogue import load_catalogue
-from stylephase.evaluation import driven
+from stylephase.evaluation import character
 from stylephase.evaluation.bench.crowds import crowd_rows
 from stylephase.evaluation.robustness import as_json, endure, table
 from stylephase.evaluation.rollouts import codes_of, start_of, walking_speed
@@ -83,8 +83,8 @@ start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
 curves = speed_curves(bundle, bundle.styles, start, grounded=True)
 wanted = np.array([walking_speed(style) for style in styles])
 gains = np.array([curves[style].gain(speed) for style, speed in zip(bundle.styles, wanted, strict=True)])
-led = driven.reached_speeds(bundle, codes, start, at_pace(Steady(gains), wanted))
-as_gain = driven.reached_speeds(bundle, codes, start, Steady(wanted))
+led = character.reached_speeds(bundle, codes, start, at_pace(Steady(gains), wanted))
+as_gain = character.reached_speeds(bundle, codes, start, Steady(wanted))
 Markdown(played.speed_table(bundle.styles, wanted, gains, led))
 
 # %%
@@ -96,12 +96,12 @@ Markdown(f"Within 10 % of the speed of their data: {within} of {len(wanted)} sty
 # takes that speed up lies there.
 
 # %%
-asked = [(s, gait, speed) for s in styles for gait, speed in driven.forward_speeds(s).items()]
+asked = [(s, gait, speed) for s in styles for gait, speed in character.forward_speeds(s).items()]
 speeds = np.array([speed for *_, speed in asked])
 paced = [curves[s.style].reached(speed) for s, _, speed in asked]
 plan = at_pace(Steady(np.array([curves[s.style].gain(speed) for s, _, speed in asked])), np.array(paced))
 many = [s for s, *_ in asked]
-gaits = driven.reached_speeds(bundle, codes_of(bundle, many), start_of(many, bundle.body), plan)
+gaits = character.reached_speeds(bundle, codes_of(bundle, many), start_of(many, bundle.body), plan)
 missed = [
     f"{s.style} {gait} {v:.2f}: {r:.2f}" for (s, gait, v), r in zip(asked, gaits, strict=True) if abs(r / v - 1) > 0.1
 ]
@@ -120,9 +120,9 @@ Markdown(
 # told against recorded walks of the same style and length.
 
 # %%
-ways = driven.ways_of_finishing(bundle, codes, start, gains, wanted, 15.0)
-looks = {which: driven.looks_of(run, bundle.body) for which, run in ways.items()}
-recorded = driven.recorded_accelerations(store, bundle.styles, 12.0)
+ways = character.ways_of_finishing(bundle, codes, start, gains, wanted, 15.0)
+looks = {which: character.looks_of(run, bundle.body) for which, run in ways.items()}
+recorded = character.recorded_accelerations(store, bundle.styles, 12.0)
 Markdown(played.looks_table(looks, recorded))
 
 # %% [markdown]
@@ -135,10 +135,10 @@ Markdown(played.looks_table(looks, recorded))
 # between two? And with arms that are led there?
 
 # %%
-pairs = driven.ring(bundle.styles)
-pure = driven.arms_of(ways["grounded"], bundle.body)
+pairs = character.ring(bundle.styles)
+pure = character.arms_of(ways["grounded"], bundle.body)
 gain_of = dict(zip(bundle.styles, gains.tolist(), strict=True))
-half = driven.arms_of(driven.half_way(bundle, by_name, gain_of, pairs, 15.0), bundle.body)
+half = character.arms_of(character.half_way(bundle, by_name, gain_of, pairs, 15.0), bundle.body)
 at = {style: k for k, style in enumerate(bundle.styles)}
 more_wrong = half.wrong - np.array([(pure.wrong[at[a]] + pure.wrong[at[b]]) / 2 for a, b in pairs])
 Markdown(
@@ -155,9 +155,9 @@ Markdown(
 # %%
 fast = {"ONNX": FastNetwork(to_onnx(bundle)), "8 bits": FastNetwork(to_onnx(bundle, quantised=True))}
 one = start_of([by_name[corners[0]]], bundle.body)
-costs = driven.costs(bundle, bundle.code(corners[0]), one, fast)
-two = [driven.one_frame(bundle, codes, start, gains, fast=network) for network in (None, fast["8 bits"])]
-bits = driven.difference(*two, bundle.body)
+costs = character.costs(bundle, bundle.code(corners[0]), one, fast)
+two = [character.one_frame(bundle, codes, start, gains, fast=network) for network in (None, fast["8 bits"])]
+bits = character.difference(*two, bundle.body)
 Markdown("; ".join(f"{part}: {ms:.2f} ms" for part, ms in costs.items()) + f"; 8 bits differ by {bits:.2f} mm a joint")
 
 # %% [markdown]
@@ -203,7 +203,7 @@ Markdown(f"Off the first heading after {min(seconds, 30.0):.0f} s of W: " + "; "
 # %%
 triples = played.triples(bundle.styles)
 threes = [Player(bundle, three, speed=float(np.median(wanted)), curves=curves) for three in triples]
-mixed = [driven.mixing(each, 12.0) for each in threes]
+mixed = [character.mixing(each, 12.0) for each in threes]
 mixing = np.array([[found[which] for which in ("changing", "held", "jumping")] for found in mixed])
 round_trip = played.round_trip(player, corners, 12.0)
 motion = played.motion_of(round_trip, bundle.body, "three styles")
@@ -272,8 +272,8 @@ Image(figures / "09_play-crowd.png", alt=alt)
 
 # %%
 space = style_space(styles, bundle.body.layout)
-together = [driven.crowd(bundle, dealt, start, gains, 20.0) for dealt in (codes, driven.dealt_anew(codes))]
-near = [driven.nearest_styles(run, space) for run in together]
+together = [character.crowd(bundle, dealt, start, gains, 20.0) for dealt in (codes, character.dealt_anew(codes))]
+near = [character.nearest_styles(run, space) for run in together]
 right, dealt = (sum(a == b for a, b in zip(found_near, bundle.styles, strict=True)) for found_near in near)
 Markdown(f"{right} of {len(styles)} are nearest to their own style; dealt anew {dealt}.")
 

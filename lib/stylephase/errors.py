@@ -18,7 +18,13 @@ class InputError(ValueError):
 
 
 def hint(asked: str, known: Iterable[str]) -> str:
-    """What to say after an unknown name: the known ones that are spelt alike, or else all of them."""
+    """What to say after an unknown name: the known ones that are spelt alike, or else all of them.
+
+    >>> hint("zombi", ["Old", "Zombie"])
+    'did you mean Zombie?'
+    >>> hint("x", ["Old", "Zombie"])
+    'there are Old, Zombie'
+    """
     by_lower = {name.lower(): name for name in known}
     close = [by_lower[name] for name in get_close_matches(asked.lower(), by_lower, n=5)]
     return f"did you mean {' or '.join(close)}?" if close else f"there are {', '.join(by_lower.values())}"

@@ -33,7 +33,8 @@ if notebook:
         pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
         pathlib.Path(folder, words[3] + "." + kind).touch()
 else:
-    print('{{"frames_by_style": {{"Old": 3, "Very old": 4}}}}')
+    content = "".join(path.read_text() for path in pathlib.Path("mine").glob("*.bvh"))
+    print('{{"frames_by_style": {{"Old": 3, "Very old": 4}}, "sha256": "' + content + '"}}')
 """
 _AFTER_TRAINING = ["evaluate", "notebook 00_scorecard", "notebook 04_training"]
 _ONE = ("models=lpn-film",)
@@ -79,6 +80,16 @@ def test_a_second_run_redoes_only_what_changed(tree):
     assert _run(tree) == []
     (tree / "lib/stylephase/models/film.py").write_text("another")
     assert _run(tree) == sorted(["train", *others]), "a change of code must not resume the old run"
+
+
+def test_a_changed_file_of_ones_own_is_noticed(tree):
+    own = tree / "mine/one.bvh"
+    own.parent.mkdir()
+    own.write_text("a walk")
+    asked = ("dataset=own:mine", *_ONE)
+    assert "train" in _run(tree, *asked) and _run(tree, *asked) == []
+    own.write_text("another walk")
+    assert {"data check", "vectors", "train"} <= set(_run(tree, *asked))
 
 
 def test_all_seven_models_are_trained_unless_told_otherwise(tree):

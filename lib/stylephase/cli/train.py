@@ -17,8 +17,7 @@ from stylephase.models.zoo import MODELS
 from stylephase.models.zoo import model as find_model
 from stylephase.training.checkpoint import LOG, check_folder, remove_checkpoint
 from stylephase.training.loop import Trainer, identity_of
-from stylephase.training.presets import Preset
-from stylephase.training.presets import preset as find_preset
+from stylephase.training.presets import Preset, preset_for
 from stylephase.training.team import Team, find_team
 
 
@@ -42,7 +41,7 @@ def train(
     several processes share each batch.
     """
     find_model(model)
-    how = find_preset(preset)
+    how = preset_for(preset, model)
     if input_dropout is not None:
         how = replace(how, network=replace(how.network, input_rate=input_dropout))
         preset = f"{preset} with input dropout {input_dropout:g}"

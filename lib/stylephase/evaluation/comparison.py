@@ -49,6 +49,16 @@ def mean_with_interval(
     return (float(values.mean()), *interval_of(_drawn(values, _picks(values, rng, draws), rng)))
 
 
+def median_with_interval(
+    values: Float[ndarray, " cases"], rng: np.random.Generator, draws: int = DRAWS
+) -> tuple[float, float, float]:
+    """Median over cases that are numbers, and its interval when they are drawn again."""
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return float("nan"), float("nan"), float("nan")
+    return (float(np.median(known)), *interval_of(np.median(known[_picks(known, rng, draws)], axis=1)))
+
+
 def _picks(values: ndarray, rng: np.random.Generator, draws: int) -> Int[ndarray, "draws styles"]:
     return rng.integers(values.shape[-1], size=(draws, values.shape[-1]))
 

@@ -1,322 +1,127 @@
-"""What a driven character is like: feet, bones, jerks, hands, speeds, changes of style, recognition in a crowd.
+"""A network led along recorded paths: the path is the record's, pose and phase are the network's own ([M18] 8.2).
 
-Each measure has a null that must fail it: feet that are held at the wrong times, a lock without softness, gains in
-place of speeds, a mixture that jumps, a crowd whose styles are dealt anew.
+So a style that was learned from one straight walk is held against real motion of that style on other paths.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from jaxtyping import Float
 from numpy import ndarray
-from torch import Tensor
+from torch import Tensor, nn
 
-from stylephase.data.catalogue import cut_frames, load_clip, usable
-from stylephase.evaluation.bench.rows import interleaved, threads
-from stylephase.evaluation.interpolation import Pair, blended_codes, blended_gains, starts
-from stylephase.evaluation.motion import foot_skate
-from stylephase.evaluation.robustness import random_paths
-from stylephase.evaluation.rollouts import SETTLE, local_poses
-from stylephase.evaluation.style import StyleSpace
-from stylephase.features.body import Body
-from stylephase.features.clips import WALKS
-from stylephase.features.layout import FPS, INPUT_SAMPLES
-from stylephase.features.store import StyleVectors, VectorStore
-from stylephase.models.bundle import Bundle
-from stylephase.motion.clip import forward_kinematics
-from stylephase.runtime.calibration import speed_of
-from stylephase.runtime.controller import Controller, ControllerSettings, Predict, State, input_of
-from stylephase.runtime.finish import finish
-from stylephase.runtime.finishing import Finisher, Finishing
-from stylephase.runtime.foot_lock import LockSettings
-from stylephase.runtime.mixtures import CORNERS
-from stylephase.runtime.pace import at_pace
-from stylephase.runtime.paths import FollowPaths
-from stylephase.runtime.plans import Plan, Steady
-from stylephase.runtime.player import Player
-from stylephase.runtime.rig import rig_of
-from stylephase.runtime.rollout import Rollout, roll_out
-from stylephase.runtime.walkers import NetworkWalker, as_rollout, drive
+from stylephase.features.layout import FPS, Layout
+from stylephase.features.normaliser import Normaliser
+from stylephase.features.store import StyleVectors
 
-_CONTACT = 0.5
-# Captures at 30 frames a second have no faster changes, so accelerations are told over this many frames of 60.
-_STRIDE = 2
-# A lock that stops and lets go at once.
-SUDDEN = LockSettings(stopping=1e-3, returning=1e-3)
-# The way of about a second, by samples of the trajectory; who goes this straight ahead walks forward.
-_BEFORE, _AFTER, _AHEAD = -30, 24, 0.9
-# A hand this far from its place (m) is in the wrong place.
-_MISPLACED = 0.05
-# Points of the triangle at which a mixture is held: corners, middles of the sides.
-_HELD = np.concatenate([CORNERS, (CORNERS + np.roll(CORNERS, -1, axis=0)) / 2])
+# Frames that only settle, and the most that are looked at after them.
+SETTLE, MOST = 60, 180
+# As in the controller, the predicted places against the last ones carried on by their velocity.
+_POSE_SHARE = 0.5
+# Harmonics of a cycle's mean pose, and phases around the circle at which two are compared.
+_HARMONICS, _GRID = 3, 24
 
 
 @dataclass(frozen=True)
-class Looks:
-    """What one sees of some characters.
+class Driven:
+    """Places of the joints (m) seen from the root, and the phase (rad), frame by frame after settling."""
 
-    Mean slide of the feet while in contact (m/s), largest acceleration of any joint (m/s2), largest distance of a bone
-    from its true length (mm), speed (m/s).
-    """
+    places: Float[ndarray, "frames joints 3"]
+    phase: Float[ndarray, " frames"]
+    poses: Float[ndarray, "frames pose"]
 
-    skate: Float[ndarray, " characters"]
-    acceleration: Float[ndarray, " characters"]
-    bones: Float[ndarray, " characters"]
-    speed: Float[ndarray, " characters"]
-
-
-def looks_of(run: Rollout, body: Body, settle: int = SETTLE) -> Looks:
-    """The looks after the settling frames."""
-    rig, who = rig_of(body), range(run.positions.shape[1])
-    toes, true = [leg.tip for leg in rig.legs], np.linalg.norm(rig.offsets[1:], axis=-1)
-    p, contacts = run.positions[settle:], run.contacts[settle:] > _CONTACT
-    lengths = np.linalg.norm(p[:, :, 1:] - p[:, :, list(rig.parents[1:])], axis=-1)
-    return Looks(
-        np.array([foot_skate(p[:, k][:, toes], contacts[:, k]) for k in who]),
-        np.array([largest_acceleration(p[:, k]) for k in who]),
-        1000 * np.abs(lengths - true).max(axis=(0, 2)),
-        np.array([speed_of(run.root_positions[settle:, k]) for k in who]),
-    )
+    @property
+    def finite(self) -> bool:
+        """Whether all numbers are finite."""
+        return bool(np.isfinite(self.poses).all() and np.isfinite(self.phase).all())
 
 
-def largest_acceleration(positions: Float[ndarray, "frames joints 3"], stride: int = _STRIDE) -> float:
-    """Largest acceleration (m/s2) of any joint, told over so many frames to either side."""
-    turned = positions[2 * stride :] - 2 * positions[stride:-stride] + positions[: -2 * stride]
-    return float(np.linalg.norm(turned, axis=-1).max() * (FPS / stride) ** 2)
+def recorded_part(take: StyleVectors, layout: Layout) -> Driven:
+    """The part of a recorded take that `drive` gives of a network."""
+    rows = slice(SETTLE, SETTLE + MOST)
+    poses = take.x[rows, layout.x_pose].astype(float)
+    return Driven(poses.reshape(len(poses), -1, 4, 3)[:, :, 0], take.phase[rows].astype(float), poses)
 
 
-def recorded_accelerations(store: VectorStore, styles: Sequence[str], seconds: float) -> Float[ndarray, " styles"]:
-    """Largest acceleration (m/s2) in about so many seconds of recorded forward walks of each style."""
-    return np.array([_recorded_acceleration(store, style, seconds) for style in styles])
-
-
-def _recorded_acceleration(store: VectorStore, style: str, seconds: float) -> float:
-    catalogue, body, left, found = store.catalogue, store.body, int(seconds * FPS), [0.0]
-    for entry in sorted(catalogue.of(style), key=lambda entry: entry.gait not in WALKS):
-        clip = load_clip(entry, catalogue.dataset, fps=FPS, skeleton=body.skeleton)
-        start, stop = cut_frames(entry, catalogue.dataset, clip)
-        if not usable(stop - start):
-            continue
-        clip = clip.frames(start, min(stop, start + left))
-        found += [largest_acceleration(forward_kinematics(clip).positions[:, list(body.joints)])]
-        left -= len(clip)
-        if left <= 2 * _STRIDE:
-            break
-    return max(found)
-
-
-def ways_of_finishing(
-    bundle: Bundle,
-    codes: Float[Tensor, "characters values"],
-    start: State,
-    gains: Float[ndarray, " characters"],
-    wanted: Float[ndarray, " characters"],
-    seconds: float,
-) -> dict[str, Rollout]:
-    """The same straight walks raw, grounded, and finished, and with two locks that are wrong.
-
-    `scrambled` holds each foot while the other one stands, `sudden` has no softness. The contacts are the network's.
-    """
-    frames, rig = int(seconds * FPS), rig_of(bundle.body)
-
-    def walked(*, grounded: bool) -> Rollout:
-        plan = at_pace(Steady(gains), wanted)
-        return roll_out(bundle, codes, start, frames, plan, grounded=grounded)
-
-    raw, grounded = walked(grounded=False), walked(grounded=True)
-    swapped = finish(replace(grounded, contacts=grounded.contacts[..., ::-1]), rig)
-    return {
-        "raw": raw,
-        "grounded": grounded,
-        "finished": finish(grounded, rig),
-        "scrambled": replace(swapped, contacts=grounded.contacts),
-        "sudden": finish(grounded, rig, SUDDEN),
-    }
-
-
-@dataclass(frozen=True)
-class Arms:
-    """Where hands come to by the predicted rotations alone, and with arms that are led, against where predicted.
-
-    Mean distances (m) of each character's hands, and the share of frames in which one is in the wrong place.
-    """
-
-    by_rotations: Float[ndarray, " characters"]
-    led: Float[ndarray, " characters"]
-    wrong: Float[ndarray, " characters"]
-    wrong_led: Float[ndarray, " characters"]
-
-
-def arms_of(run: Rollout, body: Body, settle: int = SETTLE) -> Arms:
-    """Both distances in an unfinished rollout."""
-    rig = rig_of(body)
-    hands = [arm.tip for arm in rig.arms]
-    p, rotations = run.positions[settle:], run.rotations[settle:]
-    turned, led = rig.place(p[:, :, 0], rotations), finish(run, rig).positions[settle:]
-    by_rotations, after = (np.linalg.norm((q - p)[:, :, hands], axis=-1) for q in (turned, led))
-    wrong = [(off > _MISPLACED).any(axis=-1).mean(axis=0) for off in (by_rotations, after)]
-    return Arms(by_rotations.mean(axis=(0, 2)), after.mean(axis=(0, 2)), *wrong)
-
-
-def half_way(
-    bundle: Bundle,
-    styles: Mapping[str, StyleVectors],
-    gains: Mapping[str, float],
-    pairs: Sequence[Pair],
-    seconds: float,
-) -> Rollout:
-    """Grounded walks of the mixtures half-way between the two styles of each pair."""
-    half = np.array([0.5])
-    codes, start = blended_codes(bundle, pairs, half), starts(styles, pairs, bundle.body, last=False, count=1)
-    plan = Steady(blended_gains(gains, pairs, half))
-    return roll_out(bundle, codes, start, int(seconds * FPS), plan, grounded=True)
-
-
-def ring(styles: Sequence[str], seed: int = 0) -> list[Pair]:
-    """Pairs in which each style is once the first and once the last, in an order drawn by chance."""
-    drawn = [styles[int(k)] for k in np.random.default_rng(seed).permutation(len(styles))]
-    return list(zip(drawn, [*drawn[1:], drawn[0]], strict=True))
-
-
-def forward_speeds(style: StyleVectors) -> dict[str, float]:
-    """Mean speed (m/s) of each gait in which the style goes straight ahead."""
-    rows, found = style.rows("train"), {}
-    for gait in dict.fromkeys(style.gaits):
-        chosen = rows[np.array(style.gaits)[style.take[rows]] == gait]
-        if not len(chosen):
-            continue
-        path = style.x[chosen, : 4 * len(INPUT_SAMPLES)].reshape(-1, len(INPUT_SAMPLES), 4)
-        way = path[:, INPUT_SAMPLES.index(_AFTER), :2] - path[:, INPUT_SAMPLES.index(_BEFORE), :2]
-        length = np.linalg.norm(way, axis=1).mean()
-        if way[:, 1].mean() >= _AHEAD * length:
-            found[gait] = float(length * FPS / (_AFTER - _BEFORE))
+@np.errstate(over="ignore", invalid="ignore")
+def drive(
+    network: nn.Module,
+    layout: Layout,
+    normaliser: Normaliser,
+    codes: Float[Tensor, "takes values"],
+    takes: Sequence[StyleVectors],
+) -> list[Driven]:
+    """Lead one character along each take, from its first pose on, all side by side. What turns infinite stays so."""
+    longest = min(max(len(take.x) for take in takes), SETTLE + MOST)
+    paths = np.stack([_padded(take.x[:, layout.x_trajectory], longest) for take in takes])
+    steps = np.stack([_padded(take.y[:, :4], longest) for take in takes])
+    pose = np.stack([take.x[0, layout.x_pose] for take in takes]).astype(float)
+    phase = np.array([[take.phase[0]] for take in takes], dtype=float)
+    poses, phases = [], []
+    for frame in range(longest):
+        poses.append(pose)
+        phases.append(phase[:, 0])
+        y = _predict(network, normaliser, np.concatenate([paths[:, frame], pose], axis=1), phase, codes)
+        pose = _next_pose(pose, y[:, layout.y_pose], steps[:, frame])
+        phase = (phase + y[:, layout.y_phase_updates]) % (2 * np.pi)
+    found = []
+    for k, take in enumerate(takes):
+        rows = slice(SETTLE, min(len(take.x), SETTLE + MOST))
+        own = np.stack([each[k] for each in poses])[rows]
+        found.append(Driven(own.reshape(len(own), -1, 4, 3)[:, :, 0], np.array([p[k] for p in phases])[rows], own))
     return found
 
 
-def reached_speeds(
-    bundle: Bundle,
-    codes: Float[Tensor, "characters values"],
-    start: State,
-    plan: Plan,
-    *,
-    seconds: float = 16.0,
-) -> Float[ndarray, " characters"]:
-    """Speeds (m/s) over the last half of finished walks under a plan."""
-    walker, frames = NetworkWalker(bundle), int(seconds * FPS)
-    run = drive(walker, codes, start, frames, plan)
-    return np.array([speed_of(run.root_positions[frames // 2 :, k]) for k in range(len(codes))])
+def _padded(rows: ndarray, length: int) -> ndarray:
+    """So many rows; a shorter take stays at its last."""
+    return rows[np.minimum(np.arange(length), len(rows) - 1)].astype(float)
 
 
-def mixing(player: Player, seconds: float = 12.0) -> dict[str, float]:
-    """Largest acceleration (m/s2) of a walk whose mixture goes round the triangle, is held, and jumps, as long each.
-
-    Held at corners and middles of the sides in turn, each after a second that does not count; `jumping` throws the code
-    from corner to corner every second at once, as a null.
-    """
-    frames, around = int(seconds * FPS), np.concatenate([CORNERS, CORNERS[:1]])
-
-    def walked(frames: int) -> list[State]:
-        return [player.step() for _ in range(frames)]
-
-    player.hold({"w"})
-    walked(int(2 * FPS))
-    changing, jumping, held = [], [], []
-    for frame in range(frames):
-        way = 3 * frame / frames
-        player.mix(around[int(way)] + (way - int(way)) * (around[int(way) + 1] - around[int(way)]))
-        changing += walked(1)
-    for point in _HELD:
-        player.mix(point)
-        walked(int(FPS))
-        held += [walked(frames // len(_HELD))]
-    for second in range(int(seconds)):
-        player.mix(CORNERS[second % 3])
-        player.jump_to_mixture()
-        jumping += walked(int(FPS))
-    player.hold(())
-    return {
-        "changing": _largest([changing]),
-        "held": _largest(held),
-        "jumping": _largest([jumping]),
-    }
+def _predict(network: nn.Module, n: Normaliser, x: ndarray, p: ndarray, codes: Tensor) -> ndarray:
+    scaled = ((x - n.x_mean) / n.x_std, (p - n.p_mean) / n.p_std)
+    with torch.inference_mode():
+        y = network(*(torch.from_numpy(v).float() for v in scaled), codes).double().numpy()
+    return y * n.y_std + n.y_mean
 
 
-def _largest(parts: Sequence[Sequence[State]]) -> float:
-    return max(largest_acceleration(as_rollout(part).positions[:, 0]) for part in parts)
+def _next_pose(pose: ndarray, predicted: ndarray, step: Float[ndarray, "takes 4"]) -> Float[ndarray, "takes pose"]:
+    """The next pose seen from the next root, of one that is predicted as seen from this root."""
+    now, then = (values.reshape(len(values), -1, 4, 3) for values in (pose, predicted.copy()))
+    carried = now[:, :, 0] + then[:, :, 3] / FPS
+    then[:, :, 0] = carried + _POSE_SHARE * (then[:, :, 0] - carried)
+    then[:, :, 0, ::2] -= step[:, None, :2]
+    # The next root's forward axis is the facing (x, z) of the record, its left axis that turned by a right angle.
+    forward = np.stack([step[:, 2], 0 * step[:, 2], step[:, 3]], axis=1)
+    left = np.stack([step[:, 3], 0 * step[:, 2], -step[:, 2]], axis=1)
+    axes = np.stack([left, np.broadcast_to([0.0, 1.0, 0.0], left.shape), forward], axis=1)
+    return np.einsum("tij,tklj->tkli", axes, then).reshape(len(pose), -1)
 
 
-def costs(
-    bundle: Bundle,
-    code: Float[Tensor, " values"],
-    state: State,
-    fast: Mapping[str, Predict],
-    *,
-    rounds: int = 10,
-    each: int = 10,
-) -> dict[str, float]:
-    """Milliseconds of one character's frame on one thread: the controller, what finishing adds, and fast networks."""
-    plain, finisher = Controller(bundle, code[None], ControllerSettings()), Finisher(bundle.body, Finishing())
-    wish = Steady(np.ones(1))(0, state)
-    after = plain.step(state, wish)
-    rivals = {"frame": lambda: plain.step(state, wish), "finishing": lambda: finisher(state, after)}
-    x, p = input_of(state), state.phases
-    rivals |= {"network": lambda: plain.predict(x, p)}
-    rivals |= {name: lambda f=f: f(x, p, code[None].numpy()) for name, f in fast.items()}
-    with threads(1):
-        found = interleaved(rivals, rounds=rounds, each=each)
-    return {name: 1000 * seconds for name, seconds in found.items()}
-
-
-def one_frame(
-    bundle: Bundle,
-    codes: Float[Tensor, "characters values"],
-    start: State,
-    gains: Float[ndarray, " characters"],
-    *,
-    fast: Predict | None = None,
-) -> Rollout:
-    """A single raw frame after the start, twice, since poses are seen with their velocities."""
-    walker = NetworkWalker(bundle, fast=fast)
-    after = walker.step(codes, start, Steady(gains)(0, start))
-    return as_rollout([start, after])
-
-
-def difference(run: Rollout, other: Rollout, body: Body) -> float:
-    """Mean distance (mm) between the joints of two rollouts as seen from their roots, over all characters.
-
-    Two walks fall out of step in time, so rollouts of a frame or a second are told apart by it.
-    """
-    size = len(body.joints)
-    apart = [
-        (local_poses(run, k) - local_poses(other, k)).reshape(-1, size, 12)[..., :3]
-        for k in range(run.positions.shape[1])
+def cycle_of(motion: Driven) -> Float[ndarray, "grid joints 3"]:
+    """The mean pose over a cycle: harmonics of the phase fitted to every coordinate, at phases around the circle."""
+    count = min(_HARMONICS, max((len(motion.phase) - 1) // 8, 0))
+    fitted = np.linalg.lstsq(_harmonics(motion.phase, count), motion.places.reshape(len(motion.phase), -1), rcond=1e-3)[
+        0
     ]
-    return float(1000 * np.linalg.norm(np.stack(apart), axis=-1).mean())
+    grid = np.linspace(0, 2 * np.pi, _GRID, endpoint=False)
+    return (_harmonics(grid, count) @ fitted).reshape(_GRID, -1, 3)
 
 
-def crowd(
-    bundle: Bundle,
-    codes: Float[Tensor, "characters values"],
-    start: State,
-    gains: Float[ndarray, " characters"],
-    seconds: float,
-    *,
-    settings: ControllerSettings | None = None,
-    seed: int = 0,
-) -> Rollout:
-    """Characters that each follow a random path of their own, side by side, raw, so that styles are the network's."""
-    follow = FollowPaths(random_paths(len(codes), seconds, np.random.default_rng(seed)), gains)
-    return roll_out(bundle, codes, start, int(seconds * FPS), follow, settings)
+def _harmonics(phase: ndarray, count: int) -> ndarray:
+    parts = [np.ones_like(phase)]
+    for k in range(1, count + 1):
+        parts += [np.cos(k * phase), np.sin(k * phase)]
+    return np.stack(parts, axis=1)
 
 
-def nearest_styles(run: Rollout, space: StyleSpace, settle: int = SETTLE) -> list[str]:
-    """The nearest style to each character's walk, among all of the space; empty for one that did not stay finite."""
-    walks = [local_poses(run, k)[settle:] if run.finite[k] else None for k in range(len(run.finite))]
-    return ["" if walk is None else space.nearest(walk) for walk in walks]
+def apart(ours: Float[ndarray, "grid joints 3"], real: Float[ndarray, "grid joints 3"]) -> float:
+    """Mean distance (cm) of the joints over a cycle, after the shift of phase at which it is least."""
+    shifts = [np.linalg.norm(np.roll(ours, shift, axis=0) - real, axis=-1).mean() for shift in range(len(ours))]
+    return 100 * float(min(shifts))
 
 
-def dealt_anew(codes: Float[Tensor, "characters values"]) -> Float[Tensor, "characters values"]:
-    """Each character with the code of the next: the null of a crowd."""
-    return torch.roll(codes, 1, dims=0)
+def pose_error(ours: Driven, real: Driven) -> float:
+    """Distance (cm) of the mean cycles of two motions, phase aligned; infinite where ours is not finite."""
+    return apart(cycle_of(ours), cycle_of(real)) if ours.finite else float("inf")

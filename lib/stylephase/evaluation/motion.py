@@ -62,7 +62,12 @@ class Steps:
 
 
 def steps_of(contacts: Bool[ndarray, "frames 2"], fps: float = FPS) -> Steps:
-    """Steps from foot contacts (right, left)."""
+    """Steps from foot contacts (right, left).
+
+    >>> right = np.tile(np.repeat([True, False], 30), 6)
+    >>> steps_of(np.stack([right, ~right], axis=1))
+    Steps(count=11, alternation=1.0, cycle=1.0)
+    """
     downs = [touchdowns(contacts[:, foot], fps) for foot in range(2)]
     frames, feet = np.concatenate(downs), np.repeat([0, 1], [len(down) for down in downs])
     order = np.argsort(frames, kind="stable")

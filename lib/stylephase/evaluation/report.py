@@ -21,7 +21,11 @@ _PREDICTORS = ("network", "dropout", "wrong code", "ridge", "hold", "mean", "unt
 
 
 def groups_of(styles: tuple[str, ...]) -> dict[str, list[str]]:
-    """Styles by the part of their name before a hyphen (`set1`, `set2`), where all have one; else all in one group."""
+    """Styles by the part of their name before a hyphen (`set1`, `set2`), where all have one; else all in one group.
+
+    >>> groups_of(("set1-old", "set2-elderly", "set1-sad"))
+    {'set1': ['set1-old', 'set1-sad'], 'set2': ['set2-elderly']}
+    """
     prefixes = {style.partition("-")[0] for style in styles if "-" in style}
     named = all("-" in style for style in styles) and len(prefixes) > 1
     return (
@@ -61,6 +65,8 @@ def evaluate_bundle(
     groups = {name: mean_over(errors, members) for name, members in groups_of(store.catalogue.styles).items()}
     result: dict[str, Any] = {
         "about": bundle.about,
+        "parameters": sum(parameter.numel() for parameter in bundle.network.parameters()),
+        "input_rate": bundle.settings.input_rate,
         "errors": {style: {name: asdict(error) for name, error in one.items()} for style, one in errors.items()},
         "groups": {name: {rival: asdict(error) for rival, error in one.items()} for name, one in groups.items()},
         "codes": code_spread(bundle, styles),

@@ -1,6 +1,9 @@
-"""Trained runs in a folder, by their names: `<data set>-<preset>-<model>[-<variant>]-seed<number>`."""
+"""Trained runs in a folder, by their names: `<data set>-<preset>-<model>[-<variant>]-seed<number>`.
 
-import math
+What was measured of a run (its evaluation and its learning curve) is kept in `data/runs/` too, without the weights, so
+that the tables can be made again without hours of training.
+"""
+
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +13,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from safetensors import safe_open
 
+from stylephase.data.registry import DATA
 from stylephase.errors import InputError
-from stylephase.files import read_json
+from stylephase.files import read_json, write_json
+from stylephase.models.bundle import is_bundle
 from stylephase.models.zoo import PAPER_2022
 
-_EVALUATION, _LOG, _MODEL = "evaluation.json", "log.json", "model.json"
-_WEIGHTS = "weights.safetensors"
+KEPT = DATA / "runs"
+_EVALUATION, _LOG = "evaluation.json", "log.json"
 
 
 @dataclass(frozen=True)
@@ -42,14 +46,17 @@ class Run:
     @property
     def input_rate(self) -> float:
         """Dropout of the input in training."""
-        return float(read_json(self.folder / _MODEL)["settings"]["input_rate"])
+        return float(self.evaluation["input_rate"])
 
     @property
     def parameters(self) -> int:
         """Numbers that were trained: of the network and, where it has one, of its style generator."""
-        with safe_open(self.folder / _WEIGHTS, framework="np") as stored:
-            names = [name for name in stored.keys() if name.startswith("network.")]  # noqa: SIM118
-            return sum(math.prod(stored.get_slice(name).get_shape()) for name in names)
+        return int(self.evaluation["parameters"])
+
+    @property
+    def has_weights(self) -> bool:
+        """Whether the trained weights are there, not only what was measured of them."""
+        return is_bundle(self.folder)
 
     @property
     def file(self) -> Path:
@@ -57,17 +64,28 @@ class Run:
         return self.folder / _EVALUATION
 
 
-def find_runs(folder: Path, dataset: str, preset: str) -> list[Run]:
+def keep_run(folder: Path, result: dict[str, Any], kept: Path = KEPT) -> Path:
+    """Keep what was measured of a run, its `result` and its learning curve, under the name of its folder."""
+    place = kept / folder.resolve().name
+    write_json(place / _LOG, read_json(folder / _LOG))
+    write_json(place / _EVALUATION, result)
+    return place
+
+
+def find_runs(folder: Path, dataset: str, preset: str, *, kept: Path | None = KEPT, weights: bool = False) -> list[Run]:
     """All evaluated runs of the seven models on a data set with a preset, in the order of [M22] Table 2, then by seed.
 
-    A run without `evaluation.json` is not there yet.
+    A run without `evaluation.json` is not there yet. Of runs that are not in the folder, what is `kept` counts; with
+    `weights` only those count of which the weights are there.
     """
     name = dataset.replace(":", "-").replace("/", "-")
     models = "|".join(PAPER_2022)
     pattern = re.compile(rf"{re.escape(name)}-{re.escape(preset)}-({models})(?:-([a-z0-9]+))?-seed(\d+)")
-    matches = [(path.parent, pattern.fullmatch(path.parent.name)) for path in folder.glob(f"*/{_EVALUATION}")]
+    places = [place for place in (kept, folder) if place is not None]
+    folders = {path.parent.name: path.parent for place in places for path in place.glob(f"*/{_EVALUATION}")}
+    matches = [(path, pattern.fullmatch(path.name)) for path in folders.values()]
     found = [Run(path, match[1], match[2] or "", int(match[3])) for path, match in matches if match]
-    order = list(PAPER_2022)
+    found, order = [run for run in found if run.has_weights or not weights], list(PAPER_2022)
     return sorted(found, key=lambda run: (order.index(run.model), run.variant, run.seed))
 
 

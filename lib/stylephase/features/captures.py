@@ -8,13 +8,18 @@ import numpy as np
 
 from stylephase.data.catalogue import SHORTEST_TAKE, Catalogue, check_same_skeleton, load_clip, usable
 from stylephase.data.layouts import Entry
-from stylephase.data.registry import OWN, dataset, datasets
+from stylephase.data.registry import OWN, Dataset, dataset, datasets
 from stylephase.errors import InputError
 from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.features.store import StyleVectors, style_vectors
+from stylephase.features.vectors import vectors
 from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.motion.contacts import ContactRule
 from stylephase.motion.root import root_of
+from stylephase.phase.local import variant
+from stylephase.phase.source import sourcing
+from stylephase.phase.take import movement_of, movement_phases
 
 # The root of someone who walks gets on faster than this (m/s); the slowest takes of the data sets do at twice that.
 _SLOWEST = 0.1
@@ -26,14 +31,49 @@ def captured_vectors(paths: Sequence[Path], style: str, body: Body, phases: str,
     A file's frame rate and unit are its own. Raises InputError that names the file: it cannot be read, has another
     skeleton than `body`, is too short, or nobody walks in it.
     """
-    known = datasets()[data] if data in datasets() else dataset(OWN)
-    source = replace(known, fps=None, metres_per_unit=None, contact_free={})
     entries = tuple(Entry(path, style, "any") for path in paths)
     for entry in entries:
-        clip = load_clip(entry, source, fps=FPS)
-        check_same_skeleton(entry.path, clip.skeleton, body.skeleton, whose="the weights' skeleton")
-        _check_walk(entry.path, replace(clip, skeleton=body.skeleton))
-    return style_vectors(Catalogue(source, entries), style, body, phases)
+        captured_clip(entry.path, body, data)
+    return style_vectors(Catalogue(_source(data), entries), style, body, phases)
+
+
+def captured_clip(path: Path, body: Body, data: str) -> Clip:
+    """One file as a clip of a known body at 60 frames a second. Raises InputError as `captured_vectors`."""
+    clip = load_clip(Entry(path, "", "any"), _source(data), fps=FPS)
+    check_same_skeleton(path, clip.skeleton, body.skeleton, whose="the weights' skeleton")
+    clip = replace(clip, skeleton=body.skeleton)
+    _check_walk(path, clip)
+    return clip
+
+
+def clip_vectors(
+    clip: Clip,
+    style: str,
+    body: Body,
+    phases: str,
+    data: str,
+    *,
+    symmetric: bool,
+    gait: str = "any",
+    rule: ContactRule | None = None,
+) -> StyleVectors:
+    """Vectors of one clip at 60 frames a second, all of them to train on, with contacts by the rule of `data`.
+
+    A `rule` takes the place of that.
+    """
+    pose = forward_kinematics(clip)
+    movement = movement_of(pose, body.skeleton, FPS, rule or _source(data).contact)
+    take = movement_phases(movement, sourcing([movement]), variant(phases))
+    made = vectors(pose, body.skeleton, body.rest, FPS, take.local.vectors, take.contacts, take.global_phase)
+    arrays = {kind: value.astype(np.float32) for kind, value in vars(made).items()}
+    whole = np.zeros(len(made.x), dtype=int)
+    return StyleVectors(style=style, symmetric=symmetric, gaits=(gait,), take=whole, part=whole, **arrays)
+
+
+def _source(data: str) -> Dataset:
+    """The data set called so, or else the user's own; a file's frame rate and unit are its own."""
+    known = datasets()[data] if data in datasets() else dataset(OWN)
+    return replace(known, fps=None, metres_per_unit=None, contact_free={})
 
 
 def _check_walk(path: Path, clip: Clip) -> None:

@@ -180,4 +180,5 @@ def _settings(values: dict[str, Any]) -> NetworkSettings:
     """The inverse of `asdict` and `_finite`."""
     generator = values["generator"] | {"clamp": values["generator"]["clamp"] or math.inf}
     others = {name: value for name, value in values.items() if name != "generator"}
+    others["adapters"] = tuple(others.get("adapters", ()))
     return NetworkSettings(**others, generator=GeneratorSettings(**generator))

@@ -42,13 +42,24 @@ def _measures(result: dict[str, Any]) -> list[str]:
         lines += [f"| {name} | {' | '.join(mse)} | {1000 * errors['network']['bll']:.2f} |"]
     walks = result.get("rollouts", {}).get("walks", [])
     if walks:
-        lines += [
-            "",
-            "Walks of twenty seconds:",
-            "",
-        ]
+        lines += ["", "Walks of twenty seconds:", "", *_short_of(walks), ""]
         lines += ["| style | m/s | ratio | alternate | nearest |", "|---|---|---|---|---|"]
     for walk in (walk for walk in walks if walk["finite"]):
         cells = f"{walk['speed']:.2f} | {walk['speed_ratio']:.2f} | {'yes' if walk['alternate'] else 'no'}"
         lines += [f"| {walk['style']} | {cells} | {walk['nearest']} |"]
     return lines
+
+
+def _short_of(walks: list[dict[str, Any]]) -> list[str]:
+    """Which styles fall short in which way; a list of names for each."""
+    whole = [walk for walk in walks if walk["finite"]]
+    short = {
+        "do not walk on": [walk["style"] for walk in walks if not walk["finite"] or not walk["alternate"]],
+        "walk at another speed than their data, by more than a quarter": [
+            walk["style"] for walk in whole if not 0.75 <= walk["speed_ratio"] <= 1.25
+        ],
+        "are nearer to another style": [walk["style"] for walk in whole if walk["nearest"] != walk["style"]],
+    }
+    return [
+        f"* {len(names)} of {len(walks)} {how}{': ' if names else ''}{', '.join(names)}" for how, names in short.items()
+    ]

@@ -1,6 +1,6 @@
 """The PFNN of [M18] Fig. 4: every layer a function of the global phase, the style in an adapter beside the second."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from torch import nn
@@ -39,11 +39,14 @@ def decomposed_layer(inputs: int, outputs: int) -> CpLayer:
     return CpLayer(POINTS, inputs, outputs, RANK, bias_points=POINTS)
 
 
-def adapters(kind: str, styles: int, units: int, *, rank: int = RANK, rate: float = 0.0) -> Adapters:
-    """One adapter per style: `full`, `diag` or `cp` of [M18] Table 1, `cp-one-bias` as [M22] Table 2 counts it.
+def adapter(form: str, units: int) -> nn.Module:
+    """One adapter: `full`, `diag` or `cp` of [M18] Table 1, `cp-one-bias` as [M22] Table 2 counts it.
 
-    `static` is the adapter of [M22]'s LPN Resad: a full matrix without phase.
+    `cp:10` has ten factors in place of thirty. `static` is the adapter of [M22]'s LPN Resad: a full matrix without
+    phase. Raises ValueError for any other form.
     """
+    kind, _, factors = form.partition(":")
+    rank = int(factors) if factors else RANK
     make: dict[str, Callable[[], nn.Module]] = {
         "full": lambda: ExpertLayer(POINTS, units, units),
         "diag": lambda: DiagonalLayer(POINTS, units),
@@ -51,4 +54,18 @@ def adapters(kind: str, styles: int, units: int, *, rank: int = RANK, rate: floa
         "cp-one-bias": lambda: CpLayer(POINTS, units, units, rank, bias_points=1),
         "static": lambda: ExpertLayer(1, units, units),
     }
-    return Adapters(styles, make[kind], phased=kind != "static", rate=rate)
+    if kind not in make:
+        raise ValueError(f"expected an adapter of the forms {', '.join(make)}, found {form!r}")
+    return make[kind]()
+
+
+def adapters(kind: str, styles: int, units: int, *, rank: int = RANK, rate: float = 0.0) -> Adapters:
+    """One adapter per style, all of one kind (see `adapter`)."""
+    form = f"{kind}:{rank}"
+    return Adapters(styles, lambda: adapter(form, units), phased=kind != "static", rate=rate)
+
+
+def mixed_adapters(forms: Sequence[str], units: int) -> Adapters:
+    """One adapter per style, each of its own form; all depend on the phase."""
+    made = iter(adapter(form, units) for form in forms)
+    return Adapters(len(forms), lambda: next(made))

@@ -18,6 +18,7 @@ class NetworkSettings:
     """Sizes and dropout rates; defaults are the paper's ([M22] 4.3), rates 0.3 everywhere.
 
     `experts` and the gating network's numbers are for learned gates: a phase function has four control points.
+    `adapters` names the form of each style's adapter (pfnn.py) where they are not all the model's own.
     """
 
     experts: int = 8
@@ -27,6 +28,8 @@ class NetworkSettings:
     hidden_rate: float = 0.3
     gating_rate: float = 0.3
     generator: GeneratorSettings = field(default_factory=GeneratorSettings)
+    # No training begins with it, so a run's identity does not tell it.
+    adapters: tuple[str, ...] = field(default=(), repr=False)
 
 
 class Synthesis(nn.Module):

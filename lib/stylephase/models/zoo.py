@@ -11,7 +11,7 @@ from stylephase.features.layout import GLOBAL, LOCAL, VELOCITIES, Layout
 from stylephase.models.generator import FilmGenerator
 from stylephase.models.lpn import LpnFilm, SynthesisNetwork
 from stylephase.models.modulators import Film, Modulator, OneHot
-from stylephase.models.pfnn import Pfnn, adapters, decomposed_layer
+from stylephase.models.pfnn import Pfnn, adapters, decomposed_layer, mixed_adapters
 from stylephase.models.spline import POINTS
 from stylephase.models.synthesis import NetworkSettings, StyledNetwork, Synthesis
 
@@ -115,7 +115,21 @@ def _modulator(kind: str, styles: int, settings: NetworkSettings) -> Modulator:
         return Film(settings.units)
     if kind == "onehot":
         return OneHot(styles, settings.experts, settings.units)
-    return adapters(kind, styles, settings.units)
+    if settings.adapters and len(settings.adapters) != styles:
+        raise ValueError(f"expected the form of {styles} adapters, found {len(settings.adapters)}")
+    return (
+        mixed_adapters(settings.adapters, settings.units)
+        if settings.adapters
+        else adapters(kind, styles, settings.units)
+    )
+
+
+def adapter_forms(name: str, styles: int, settings: NetworkSettings) -> tuple[str, ...]:
+    """The form of each style's adapter; raises InputError where the model has no adapters that depend on the phase."""
+    kind = model(name).modulator
+    if kind not in ("full", "diag", "cp", "cp-one-bias"):
+        raise InputError(f"{name} has no residual adapters beside a PFNN; pfnn-cp, pfnn-diag and pfnn-full have")
+    return settings.adapters or (kind,) * styles
 
 
 def style_codes(network: StyledNetwork, styles: int) -> Float[Tensor, "styles values"]:

@@ -95,6 +95,13 @@ def read_bvh(path: str | Path, *, metres_per_unit: float | None = None, effector
     Raises InputError with file, line and reason: no BVH, cut off, fewer or more frames than announced, a wrong
     number of values, a value that is no finite number, a bone that changes its length.
     """
+    return read_with_unit(path, metres_per_unit=metres_per_unit, effectors=effectors)[0]
+
+
+def read_with_unit(
+    path: str | Path, *, metres_per_unit: float | None = None, effectors: Sequence[str] | None = None
+) -> tuple[Clip, float]:
+    """The same as `read_bvh`, with the file's unit of length (m), given or guessed."""
     lines = _Lines(Path(path))
     nodes = _read_hierarchy(lines)
     frame_time, values = _read_motion(lines, sum(len(node.channels) for node in nodes))
@@ -222,7 +229,7 @@ def _to_clip(
     values: ndarray,
     metres_per_unit: float | None,
     effectors: Sequence[str] | None,
-) -> Clip:
+) -> tuple[Clip, float]:
     positions, rotations = [_positions(node, values) for node in nodes], _rotations(nodes, values)
     top = _hips_node(nodes)
     root_positions, root_rotations = positions[0], rotations[:, 0]
@@ -242,13 +249,14 @@ def _to_clip(
     for n in kept[1:]:
         if np.ptp(positions[n], axis=0).max() * scale > _STRETCH:
             raise InputError(f"joint {nodes[n].name} moves against its parent; only the hips may", line=nodes[n].line)
-    return Clip(
+    clip = Clip(
         skeleton=replace(skeleton, offsets=skeleton.offsets * scale),
         fps=round(fps, 2),
         rotations=np.concatenate([root_rotations[:, None], rotations[:, kept[1:]]], axis=1),
         root_positions=root_positions * scale,
         name=path.stem,
     )
+    return clip, scale
 
 
 def _hips_node(nodes: list[_Node]) -> int:

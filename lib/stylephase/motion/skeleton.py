@@ -16,10 +16,13 @@ from stylephase.errors import InputError, hint
 
 SIDES = ("left", "right")
 _SIDE_WORDS = {"left": "left", "right": "right", "l": "left", "r": "right"}
-_HIPS = {"hips", "hip", "pelvis"}
 _HAND_WORDS = {"hand", "wrist"}
 _TOE_WORDS = {"toe", "toes", "toebase", "ball"}
 _FOOT_WORDS = {"foot", "ankle"}
+# A side as the first letter: before a capital (`lToe`), or before a bone's name as CMU's own files spell it (`ltoes`).
+_SIDE_LETTER = re.compile(
+    r"^([lr])(?=[A-Z]|(?:hipjoint|femur|tibia|foot|toes|clavicle|humerus|radius|wrist|hand|fingers|thumb)$)"
+)
 
 
 @dataclass(frozen=True)
@@ -112,9 +115,8 @@ def with_effectors(skeleton: Skeleton, names: Sequence[str]) -> Skeleton:
 
 
 def _words(name: str) -> tuple[str, ...]:
-    """Lower-case words of a joint name: `LeftToeBase`, `Toes_L`, `mixamorig:LeftToeBase` and `lToe` all split."""
-    name = name.split(":")[-1]
-    name = re.sub(r"^([lr])(?=[A-Z])", r"\1_", name)
+    """Lower-case words of a joint name: `LeftToeBase`, `Toes_L`, `mixamorig:LeftToeBase` and `ltoes` all split."""
+    name = _SIDE_LETTER.sub(r"\1_", name.split(":")[-1])
     parts: list[str] = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
     return tuple(_SIDE_WORDS.get(part.lower(), part.lower()) for part in parts)
 
@@ -124,27 +126,25 @@ def _swapped(words: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(other.get(word, word) for word in words)
 
 
-def _find(skeleton: Skeleton, side: str, words: set[str]) -> int | None:
-    """The first joint of `side` whose name has one of `words`, not counting end sites."""
-    found = (
+def _find(skeleton: Skeleton, side: str, words: set[str]) -> list[int]:
+    """The joints of `side` whose names have one of `words`, from the hips outwards, not counting end sites."""
+    return [
         j
         for j, name in enumerate(skeleton.names)
         if not skeleton.sites[j] and side in _words(name) and words & set(_words(name))
-    )
-    return next(found, None)
+    ]
+
+
+def _toe(skeleton: Skeleton, side: str) -> int | None:
+    """The first joint called toe, or else the last called foot or ankle: SMPL has both, and calls the toe a foot."""
+    toes, feet = _find(skeleton, side, _TOE_WORDS), _find(skeleton, side, _FOOT_WORDS)
+    return toes[0] if toes else feet[-1] if feet else None
 
 
 def _last_hand(skeleton: Skeleton, side: str) -> int | None:
     """The outermost joint called hand or wrist that is no finger, or its end site if that lies further out."""
     finger = re.compile(r"thumb|index|middle|ring|pinky|finger", re.IGNORECASE)
-    found = [
-        j
-        for j, name in enumerate(skeleton.names)
-        if side in _words(name)
-        and _HAND_WORDS & set(_words(name))
-        and not finger.search(name)
-        and not skeleton.sites[j]
-    ]
+    found = [j for j in _find(skeleton, side, _HAND_WORDS) if not finger.search(skeleton.names[j])]
     if not found:
         return None
     return _outer_site(skeleton, found[-1])
@@ -167,9 +167,7 @@ def find_roles(skeleton: Skeleton) -> Roles:
     """Find the joints by role. Raises InputError that names the missing role and the joints there are."""
     toes, hands = [], []
     for side in SIDES:
-        toe = _find(skeleton, side, _TOE_WORDS)
-        toe = _find(skeleton, side, _FOOT_WORDS) if toe is None else toe
-        hand = _last_hand(skeleton, side)
+        toe, hand = _toe(skeleton, side), _last_hand(skeleton, side)
         for role, joint in (("foot", toe), ("hand", hand)):
             if joint is None:
                 raise InputError(

@@ -38,6 +38,7 @@ class Claim:
     at_least: Number | None = None
     at_most: Number | None = None
     data: str = ""
+    main: bool = False
 
     @property
     def bounded(self) -> bool:
@@ -99,6 +100,9 @@ def verdict_of(
 
     `within` is (lowest, highest). `other_data` says that the data are not those of the claim.
     Raises ValueError without any bound and for a value that is not finite.
+
+    >>> verdict_of(0.3, at_most=0.3), verdict_of(0.3, at_most=0.3, other_data=True), verdict_of([0.3, 0.4], at_most=0.3)
+    ('reproduced', 'reproduced on other data', 'differs')
     """
     low, high = within or (at_least, at_most)
     if low is None and high is None:

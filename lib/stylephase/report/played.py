@@ -10,8 +10,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from torch import Tensor
 
+from stylephase.evaluation.character import Arms, Looks
 from stylephase.evaluation.comparison import mean_with_interval
-from stylephase.evaluation.driven import Arms, Looks
 from stylephase.evaluation.robustness import Endurance
 from stylephase.features.body import Body
 from stylephase.features.layout import FPS

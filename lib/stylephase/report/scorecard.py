@@ -33,6 +33,7 @@ from stylephase.report.manifest import ROOT
 OPEN, RECORDED = STATUSES
 OUTCOMES = (*VERDICTS, OPEN)
 BEGIN, END = "<!-- scorecard -->", "<!-- /scorecard -->"
+MAIN_HEADER = "| What the papers say | Verdict | What we found | Notebook |\n|---|---|---|---|"
 HEADER = "| Where | Claim | Paper | Ours | Verdict | Notebook |\n|---|---|---|---|---|---|"
 
 
@@ -76,6 +77,19 @@ def tables(catalogue: Catalogue, records: Iterable[Record], links: str, only_tes
     return "\n\n".join(parts)
 
 
+def main_table(catalogue: Catalogue, records: Iterable[Record], links: str) -> str:
+    """The main claims in the order of the file: what became of each, with the numbers and reasons that were noted."""
+    results = results_of(records)
+    rows = [_main_row(claim, results.get(claim.id), links) for claim in catalogue.claims.values() if claim.main]
+    return "\n".join([MAIN_HEADER, *rows]) if rows else ""
+
+
+def _main_row(claim: Claim, result: Result | None, links: str) -> str:
+    found = "; ".join(part for part in (result.note, shown(result.value, claim.unit)) if part) if result else ""
+    cells = (f"{claim.name} ({claim.paper}, {claim.where})", result.verdict if result else OPEN, found)
+    return "| " + " | ".join([*map(_cell, cells), _link(claim, links) if result else claim.notebook[:2]]) + " |"
+
+
 def row(claim: Claim, result: Result | None, links: str) -> str:
     """One row: a reason stands beside a verdict that needs one."""
     verdict = result.verdict if result else OPEN
@@ -83,12 +97,20 @@ def row(claim: Claim, result: Result | None, links: str) -> str:
         verdict = f"{verdict}: {result.note}"
     asked = shown(claim.paper_value, claim.unit) if claim.paper_value is not None else claim.bounds
     ours = shown(result.value, claim.unit) if result else ""
-    notebook = f"[{claim.notebook[:2]}]({links}{claim.notebook}.ipynb)" if result else claim.notebook[:2]
+    notebook = _link(claim, links) if result else claim.notebook[:2]
     return "| " + " | ".join(_cell(part) for part in (claim.where, claim.name, asked, ours, verdict, notebook)) + " |"
 
 
+def _link(claim: Claim, links: str) -> str:
+    return f"[{claim.notebook[:2]}]({links}{claim.notebook}.ipynb)"
+
+
 def shown(value: Any, unit: str) -> str:
-    """A value with its unit: digits grouped by thousands, four significant ones after a point."""
+    """A value with its unit: digits grouped by thousands, four significant ones after a point.
+
+    >>> shown(4935928, "parameters"), shown([4.53, 0.0449], "ms")
+    ('4,935,928 parameters', '4.53 / 0.0449 ms')
+    """
     if value is None:
         return ""
     if isinstance(value, list):
@@ -100,8 +122,10 @@ def shown(value: Any, unit: str) -> str:
 
 
 def section(catalogue: Catalogue, records: Sequence[Record]) -> str:
-    """The README's section, markers included: counts first, then the claims that have been tested, folded away."""
+    """The README's section, markers included: counts, the main claims, then all that were tested, folded away."""
     parts = [BEGIN, summary(catalogue, records), ""]
+    if main := main_table(catalogue, records, "notebooks/"):
+        parts += [main, ""]
     if tested := tables(catalogue, records, "notebooks/", only_tested=True):
         parts += ["<details><summary>The claims tested so far</summary>", "", tested, "", "</details>", ""]
     return "\n".join([*parts, "The full list, open claims too: [notebook 00](notebooks/00_scorecard.ipynb).", END])

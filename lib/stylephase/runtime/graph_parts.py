@@ -52,6 +52,9 @@ def layer_node(g: Graph, name: str, layer: nn.Module, h: str, gate: str) -> str:
         narrow = g.add("Mul", narrow, _blend(g, f"{name}_d", layer.d, gate))
         bias = _blend(g, f"{name}_bias", layer.bias, gate)
         return g.add("Add", g.product(narrow, f"{name}_a", layer.a.detach().numpy().T), bias)
+    if isinstance(layer, DiagonalLayer):
+        scaled = g.add("Mul", _blend(g, f"{name}_scale", layer.weight, gate), h)
+        return g.add("Add", scaled, _blend(g, f"{name}_bias", layer.bias, gate))
     raise TypeError(f"no graph for a layer of type {type(layer).__name__}")
 
 
@@ -94,6 +97,8 @@ def _ones(g: Graph, width: int) -> str:
 def _adapters(g: Graph, modulator: Adapters, h: str, gate: str, code: str) -> str:
     """All styles' adapters as one layer, whose gate is each style's weight times the gate of its control points."""
     first, every = modulator.adapters[0], list(modulator.adapters)
+    if len({tuple((name, weight.shape) for name, weight in one.named_parameters()) for one in every}) > 1:
+        return _one_by_one(g, every, h, gate, code)
     both = _outer(g, code, gate, modulator.values) if modulator.phased else code
     if isinstance(first, ExpertLayer):
         return _experts(g, "adapter", _stacked(every, "weight"), _stacked(every, "bias"), h, both)
@@ -101,6 +106,16 @@ def _adapters(g: Graph, modulator: Adapters, h: str, gate: str, code: str) -> st
         scaled = g.add("Mul", _blend(g, "adapter", _stacked(every, "weight"), both), h)
         return g.add("Add", scaled, _blend(g, "adapter_bias", _stacked(every, "bias"), both))
     return _decomposed(g, every, h, gate, code, both)
+
+
+def _one_by_one(g: Graph, every: list[nn.Module], h: str, gate: str, code: str) -> str:
+    """Adapters of several forms: each by itself, scaled by its style's weight."""
+    total = ""
+    for k, one in enumerate(every):
+        weight = g.add("MatMul", code, g.constant(f"adapter_{k}_style", np.eye(len(every))[:, k : k + 1]))
+        scaled = g.add("Mul", layer_node(g, f"adapter_{k}", one, h, gate), weight)
+        total = g.add("Add", total, scaled) if total else scaled
+    return total
 
 
 def _decomposed(g: Graph, every: list[nn.Module], h: str, gate: str, code: str, both: str) -> str:

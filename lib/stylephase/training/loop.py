@@ -19,7 +19,14 @@ from stylephase.models.zoo import layout_for, style_codes
 from stylephase.training import checkpoint
 from stylephase.training.checkpoint import LOG
 from stylephase.training.codes import stored_codes
-from stylephase.training.losses import bone_length_loss, bone_lengths, squared_error
+from stylephase.training.losses import (
+    bone_length_loss,
+    bone_lengths,
+    mean_absolute,
+    shared_weights,
+    squared_error,
+    style_weights,
+)
 from stylephase.training.presets import Preset
 from stylephase.training.progress import validate
 from stylephase.training.sampler import Sampler, Scaling
@@ -118,7 +125,7 @@ class Trainer:
     def round(self) -> dict[str, float]:
         """One generator pass, the synthesis steps that its codes serve, and the generator's update."""
         self.network.train()
-        how, chosen = self.preset, self.sampler.draw_styles(self.preset.styles_per_step)
+        how, chosen = self.preset, self._chosen()
         self._set_rates()
         codes = self._codes(chosen)
         shared = codes.detach().requires_grad_(codes.requires_grad)
@@ -130,6 +137,24 @@ class Trainer:
         self.step += how.steps_per_code
         mse, bll = self.team.mean(torch.tensor(errors, dtype=torch.float64).mean(dim=0)).tolist()
         return {"mse": mse, "bll": bll}
+
+    def _chosen(self) -> np.ndarray:
+        """The styles of a round: drawn, or the next ones in turn."""
+        how = self.preset
+        if not how.in_turn:
+            return self.sampler.draw_styles(how.styles_per_step)
+        first = self.step // how.steps_per_code * how.styles_per_step
+        return np.arange(first, first + how.styles_per_step) % len(self.styles)
+
+    def _l1(self, chosen: np.ndarray) -> Tensor:
+        """The L1 terms of a step ([M18] Eq. 3): of the shared weights, and of the adapters of the step's styles."""
+        how, network, total = self.preset, self.network.synthesis, torch.zeros(())
+        if how.shared_l1:
+            total = total + how.shared_l1 * mean_absolute(shared_weights(network))
+        if how.style_l1:
+            own = [mean_absolute(style_weights(network, style)) for style in chosen.tolist()]
+            total = total + how.style_l1 * torch.stack(own).mean()
+        return total
 
     def _codes(self, chosen: np.ndarray) -> Tensor:
         """Codes of the styles drawn: of a clip of each, or which style it is."""
@@ -148,7 +173,7 @@ class Trainer:
         mse = squared_error(y, predicted)
         bll = bone_length_loss(y, predicted, self.lengths, self.scaling)
         self.optimisers["synthesis"].zero_grad(set_to_none=True)
-        (mse + self.preset.bone_weight * bll).backward()
+        (mse + self.preset.bone_weight * bll + self._l1(chosen)).backward()
         self.optimisers["synthesis"].step()
         return mse.item(), bll.item()
 

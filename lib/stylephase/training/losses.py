@@ -1,12 +1,15 @@
-"""The objective: squared error over all outputs plus the bone length loss ([M22] Eq. 5)."""
+"""The objective: squared error, bone length loss ([M22] Eq. 5) and L1 terms ([M18] Eq. 3)."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float
-from torch import Tensor
+from torch import Tensor, nn
 
 from stylephase.features.body import Body
+from stylephase.models.modulators import Adapters
+from stylephase.models.synthesis import Synthesis
 from stylephase.training.sampler import Scaling
 
 
@@ -43,3 +46,23 @@ def bone_length_loss(
     Differs: the release divides by the number of joints, one more than there are bones.
     """
     return torch.mean(torch.abs(lengths(scaling.metric(predicted)) - lengths(scaling.metric(y))))
+
+
+def mean_absolute(weights: Iterable[Tensor]) -> Float[Tensor, ""]:
+    """Mean absolute value over all weights given ([M18] Eq. 3; a mean as in its release, where the paper has the norm).
+
+    Zero where there are none.
+    """
+    flat = [weight.flatten() for weight in weights]
+    return torch.cat(flat).abs().mean() if flat else torch.zeros(())
+
+
+def shared_weights(network: Synthesis) -> list[nn.Parameter]:
+    """What all styles share: the network without its modulator."""
+    return [weight for name, weight in network.named_parameters() if not name.startswith("modulator.")]
+
+
+def style_weights(network: Synthesis, style: int) -> list[nn.Parameter]:
+    """The style's own adapter; none where styles enter in another way."""
+    modulator = network.modulator
+    return list(modulator.adapters[style].parameters()) if isinstance(modulator, Adapters) else []

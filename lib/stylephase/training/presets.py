@@ -1,10 +1,11 @@
 """One preset per scale of experiment: the same network and loop, sized for a test, a laptop or a GPU."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from stylephase.errors import InputError
 from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import NetworkSettings
+from stylephase.models.zoo import PAPER_2018
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,8 @@ class Preset:
     draws all alike, 1 all frames alike. Learning rates warm up over `warm_up` steps and fall linearly from the share
     `decay_from` of the run to the factor `decay_to`. `phases` names the variant of the local phases, `mixed` takes
     products in bf16, `bone_weight` weighs the bone length loss (m) against the squared error ([M22] Eq. 5: 1).
+    With `in_turn` the styles follow one another in place of being drawn. `shared_l1` and `style_l1` weigh the mean
+    absolute weight of what all styles share and of the adapters of the step's styles ([M18] Eq. 3).
     """
 
     network: NetworkSettings
@@ -31,6 +34,9 @@ class Preset:
     decay_from: float = 0.6
     decay_to: float = 0.03
     bone_weight: float = 1.0
+    in_turn: bool = False
+    shared_l1: float = 0.0
+    style_l1: float = 0.0
     phases: str = "adaptive"
     mixed: bool = True
     log_every: int = 400
@@ -98,3 +104,21 @@ def preset(name: str) -> Preset:
     if name not in PRESETS:
         raise InputError(f"no preset {name!r}; there are {', '.join(PRESETS)}")
     return PRESETS[name]
+
+
+# The weight of both L1 terms in [M18] 6, there called lambda_ag and lambda_s.
+L1 = 0.01
+
+
+def preset_for(name: str, model: str) -> Preset:
+    """The named preset as a model trains with it; raises InputError for an unknown preset.
+
+    The networks of [M18] see one style a batch, the styles in turn, and their loss is the squared error with L1 terms
+    ([M18] 6, Eq. 3, 5); the batch is as large as that of the other models.
+    """
+    how = preset(name)
+    if model not in PAPER_2018:
+        return how
+    batch = how.styles_per_step * how.frames_per_style
+    how = replace(how, styles_per_step=1, frames_per_style=batch, steps_per_code=1, in_turn=True)
+    return replace(how, bone_weight=0.0, shared_l1=L1, style_l1=L1)

@@ -148,7 +148,7 @@ def quiet(frames: int) -> None:
 class TestEvaluate:
     def test_without_rollouts_there_are_errors_groups_and_codes(self, store):
         found = report.evaluate_bundle(tiny.bundle(*STYLES), store, seconds=0.0, tick=quiet)
-        assert list(found) == ["about", "errors", "groups", "codes"]
+        assert list(found) == ["about", "parameters", "input_rate", "errors", "groups", "codes"]
         assert list(found["errors"]) == list(STYLES) and list(found["groups"]) == ["all"]
         assert found["codes"]["between"] > 0 and found["codes"]["within"] > 0
         mean = np.mean([found["errors"][style]["hold"]["mse"] for style in STYLES])

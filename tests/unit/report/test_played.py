@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stylephase.evaluation.driven import Arms, Looks
+from stylephase.evaluation.character import Arms, Looks
 from stylephase.evaluation.robustness import Endurance
 from stylephase.report.played import Found, effect, looks_table, record, triples
 from stylephase.report.recorder import Recorder

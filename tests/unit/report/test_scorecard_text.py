@@ -7,7 +7,7 @@ import pytest
 
 from stylephase.errors import InputError
 from stylephase.report import scorecard
-from stylephase.report.claims import read_claims
+from stylephase.report.claims import read_claims, read_records
 from stylephase.report.recorder import Recorder
 
 LISTED = """\
@@ -86,6 +86,20 @@ def test_the_readme_shows_counts_and_tested_claims_and_keeps_the_rest(project):
         "| differs: one more than the paper's | [01](notebooks/01_small.ipynb) |" in text
     )
     assert "The network's time." not in text
+
+
+def test_main_claims_are_told_first_with_what_was_found_and_open_ones_say_so(project):
+    listed = project / "data/claims.toml"
+    catalogue, records = read_claims(listed), read_records(project / "figures", read_claims(listed))
+    assert scorecard.main_table(catalogue, records, "n/") == ""
+    listed.write_text(LISTED.replace("at_most = 4935928\n", "at_most = 4935928\nmain = true\n"))
+    table = scorecard.main_table(read_claims(listed), records, "n/")
+    assert (
+        "| The network \\| its size. (M22, Table 2) | differs | one more than the paper's; 4,935,929 parameters"
+        in table
+    )
+    assert "[01](n/01_small.ipynb)" in table and "its time" not in table
+    assert "| open |  | 01 |" in scorecard.main_table(read_claims(listed), [], "n/")
 
 
 def test_statuses_follow_the_records(project):

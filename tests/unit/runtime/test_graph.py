@@ -73,6 +73,21 @@ def test_every_model_of_both_papers_gives_what_torch_gives(name):
     np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4 * np.abs(expected).max())
 
 
+def test_adapters_of_several_forms_give_what_torch_gives():
+    forms = ("cp", "full", "diag", "cp:3")
+    rng, settings = np.random.default_rng(2), NetworkSettings(units=16, adapters=forms)
+    network = build_synthesis("pfnn-cp", Widths(inputs=20, gate=1, outputs=18), len(forms), settings).eval()
+    for parameter in network.parameters():
+        torch.nn.init.normal_(parameter, std=0.3)
+    ones = {f"{k}_std": np.ones(width) for k, width in (("x", 20), ("p", 1), ("y", 18))}
+    n = Normaliser(**ones, **{name.replace("std", "mean"): 0 * values for name, values in ones.items()})
+    x, p, code = rng.normal(size=(6, 20)), 5 * rng.normal(size=(6, 1)), rng.normal(size=(6, len(forms)))
+    with torch.inference_mode():
+        expected = network(*(torch.from_numpy(part).float() for part in (x, p, code))).numpy()
+    found = FastNetwork(network_graph(network, n, "pfnn-cp", {"data": "none"}))(x, p, code)
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4 * np.abs(expected).max())
+
+
 def test_numpy_blending_first_gives_it_too(bundle):
     x, p, code = inputs(bundle, 1)
     network = NumpyNetwork(bundle, code[0].astype(np.float32))

@@ -1,0 +1,325 @@
+"""What a BVH file of one's own is good for: joints, unit, gait, contacts, phases, and what stands in the way.
+
+Nothing is assumed of the file but that somebody may walk in it. A fault makes a take useless here, a remark says what
+will be worse for it.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from stylephase.data.catalogue import SHORTEST_TAKE, check_same_skeleton, usable
+from stylephase.data.registry import DATA, MIDDLE_CONTACT
+from stylephase.errors import InputError
+from stylephase.evaluation.motion import ALTERNATION, foot_skate, steps_of
+from stylephase.evaluation.phases import antiphase, explained
+from stylephase.features.layout import FPS
+from stylephase.models.bundle import load_bundle
+from stylephase.motion.bvh import read_with_unit
+from stylephase.motion.clip import Clip, Pose, forward_kinematics, resample
+from stylephase.motion.root import root_of
+from stylephase.motion.skeleton import EFFECTOR_NAMES, Skeleton
+from stylephase.phase.local import PhaseVariant, variant
+from stylephase.phase.source import principal_source
+from stylephase.phase.take import TakePhases, movement_of, take_phases
+
+PRETRAINED = DATA / "pretrained"
+UNITS = {1.0: "metre", 0.01: "centimetre", 0.001: "millimetre", 0.0254: "inch", 0.0254 / 0.45: "CMU's (2.54 cm / 0.45)"}
+# Legs of an adult (m); a guess of the unit that gives others is doubtful.
+_LEGS = (0.6, 1.25)
+# The root of somebody who walks gets on faster than this (m/s), and of somebody who runs is often in the air.
+_SLOWEST, _FLIGHT, _RUNNING = 0.1, 0.1, 1.5
+# No joint of a person goes faster than this (m/s).
+_FASTEST = 20.0
+# Hips are above the feet by this share of the leg, along the axis that is up.
+_UPRIGHT = 0.5
+# Remarks begin here: frames a second, steps, clarity, sliding feet (m/s), floor (m).
+_COARSE, _FEW_STEPS, _CLEAR, _SLIDES, _FLOOR = 50.0, 6, 0.5, 0.15, 0.25
+_AXES, _WINDOW, _OFTEN = "xyz", 2.0, 0.05
+
+
+@dataclass(frozen=True)
+class Walk:
+    """What goes on in a take.
+
+    `gait` in words; `speed` (m/s) over half seconds; `turning` (degrees/s) and `towards`, the angle (degrees) from
+    where the hips face to where they go, both positive to the left; `contacts` the share of the time that
+    the right and the left foot stand, `skate` (m/s) their speed then; `steps`, the share of them that alternate, and
+    `cycle` (s); `floor` (m) the height at which the feet rest; `still` and `fallen` the shares of the time in which
+    the root does not get on, and in which nobody is upright.
+    """
+
+    gait: str
+    speed: float
+    turning: float
+    towards: float
+    contacts: tuple[float, float]
+    skate: float
+    steps: int
+    alternation: float
+    cycle: float
+    floor: float
+    still: float
+    fallen: float
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """One file: what was found, remarks, and the faults that make it useless (none for a usable take).
+
+    `unit` is the guessed unit of length, `legs` (m) what the legs measure by it; `effectors` name the joints taken for
+    hands and feet, and `stretch` is the longest part of the file [start, stop) in which nothing jumps; the rest was
+    measured in it. `clarity` is, for each effector, the share of its movement to and fro that a sinusoid of its phase
+    explains (1: all of it), and `apart` (cycles) how far the feet are from half a cycle apart, in the median.
+    """
+
+    file: Path
+    style: str
+    frames: int = 0
+    fps: float = 0.0
+    joints: int = 0
+    unit: str = ""
+    legs: float = 0.0
+    effectors: dict[str, str] | None = None
+    stretch: tuple[int, int] = (0, 0)
+    walk: Walk | None = None
+    clarity: dict[str, float] | None = None
+    apart: float | None = None
+    remarks: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
+
+    @property
+    def usable(self) -> bool:
+        """Whether one can learn from the take."""
+        return not self.faults
+
+    @property
+    def seconds(self) -> float:
+        """Duration (s)."""
+        return self.frames / self.fps if self.fps else 0.0
+
+
+@dataclass(frozen=True)
+class Report:
+    """Files of one folder: what was found of each, and the skeleton of the first that could be read."""
+
+    takes: tuple[Inspection, ...]
+    skeleton: Skeleton | None
+
+    @property
+    def usable(self) -> tuple[Inspection, ...]:
+        """The takes that one can learn from."""
+        return tuple(take for take in self.takes if take.usable)
+
+
+def inspect_files(files: Iterable[tuple[Path, str]], how: PhaseVariant | None = None) -> Report:
+    """Inspect files of (path, style); all should have the skeleton of the first one that could be read."""
+    found, first = list[Inspection](), None
+    for path, style in files:
+        try:
+            clip, unit = read_with_unit(path)
+            first = first or (path, clip.skeleton)
+            check_same_skeleton(path, clip.skeleton, first[1], whose=first[0].name)
+        except InputError as error:
+            found.append(Inspection(path, style, faults=(_without_path(error),)))
+            continue
+        found.append(inspect_clip(clip, path, style, unit, how))
+    return Report(tuple(found), first[1] if first else None)
+
+
+def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> list[Path]:
+    """The trained weights in a folder of such that know a skeleton and can learn a new style of it.
+
+    That takes their style network, which weights that are only meant to walk come without.
+    """
+    found = []
+    for path in sorted(path.parent for path in folder.glob("*/model.json")):
+        bundle = load_bundle(path)
+        try:
+            check_same_skeleton(path, skeleton, bundle.body.skeleton)
+        except InputError:
+            continue
+        if bundle.makes_codes:
+            found.append(path)
+    return found
+
+
+def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVariant | None = None) -> Inspection:
+    """Inspect one take that could be read, from a file with this unit of length (m)."""
+    skeleton, stretch = clip.skeleton, unbroken(clip)
+    at_60, legs = resample(clip.frames(*stretch), FPS), _leg_length(skeleton)
+    seen = Inspection(
+        path,
+        style,
+        frames=len(clip),
+        fps=clip.fps,
+        joints=len(skeleton),
+        unit=UNITS.get(unit, f"{unit:g} m"),
+        legs=legs,
+        stretch=stretch,
+        effectors={
+            name: skeleton.names[joint] for name, joint in zip(EFFECTOR_NAMES, skeleton.roles.effectors, strict=True)
+        },
+    )
+    faults = [*_length_faults(at_60), *_upright_faults(forward_kinematics(at_60), skeleton, legs)]
+    if faults:
+        return replace(seen, faults=tuple(faults))
+    phases = take_phases(at_60, MIDDLE_CONTACT, how or variant("adaptive"))
+    pose = forward_kinematics(at_60)
+    walk = walk_of(pose, skeleton, phases)
+    if walk.speed <= _SLOWEST:
+        faults.append(f"nobody walks in it: it gets on by {walk.speed:.2f} m/s; expected more than {_SLOWEST:g}")
+    clarity = clarity_of(at_60, phases)
+    seen = replace(
+        seen, walk=walk, clarity=clarity, apart=float(np.median(antiphase(phases.local.phase))), faults=tuple(faults)
+    )
+    return replace(seen, remarks=tuple(_remarks(seen)))
+
+
+def unbroken(clip: Clip) -> tuple[int, int]:
+    """The longest part [start, stop) of a take in which no joint goes faster than anybody can."""
+    steps = np.linalg.norm(np.diff(forward_kinematics(clip).positions, axis=0), axis=-1).max(axis=1)
+    ends = [0, *(np.flatnonzero(steps * clip.fps > _FASTEST) + 1), len(clip)]
+    start, stop = max(pairwise(ends), key=lambda part: part[1] - part[0])
+    return int(start), int(stop)
+
+
+def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
+    """What goes on in a take at 60 frames a second."""
+    root, half = root_of(pose, skeleton), int(FPS / 2)
+    moved = (root.positions[half:] - root.positions[:-half]) * FPS / half
+    speeds = np.linalg.norm(moved, axis=1)
+    speed = float(speeds.mean())
+    facing = root.directions[half // 2 : half // 2 + len(moved)]
+    ahead, left = (moved * facing).sum(axis=1).mean(), (moved * facing[:, ::-1] * [1, -1]).sum(axis=1).mean()
+    toes = pose.positions[:, list(skeleton.roles.toe_sensors[::-1])]
+    steps, contacts = steps_of(phases.contacts, phases.fps), phases.contacts
+    towards = float(np.degrees(np.arctan2(left, ahead)))
+    flight = float((~contacts.any(axis=1)).mean())
+    return Walk(
+        _gait(speed, towards, flight),
+        speed,
+        float(np.degrees(root.angles[-1] - root.angles[0]) * FPS / max(len(root) - 1, 1)),
+        towards,
+        (float(contacts[:, 0].mean()), float(contacts[:, 1].mean())),
+        foot_skate(toes, contacts),
+        steps.count,
+        steps.alternation,
+        steps.cycle,
+        float(np.percentile(toes[..., 1].min(axis=1), 3)),
+        float((speeds < _SLOWEST).mean()),
+        float((_above_the_feet(pose, skeleton)[:, 1] < _UPRIGHT).mean()),
+    )
+
+
+def clarity_of(clip: Clip, phases: TakePhases) -> dict[str, float]:
+    """For each effector the share of its movement along its main direction that a sinusoid of its phase explains.
+
+    Taken in windows of two seconds, a few cycles; the median of them counts, so that a stop does not.
+    """
+    places = movement_of(forward_kinematics(clip), clip.skeleton, clip.fps, MIDDLE_CONTACT).places
+    windows = np.array_split(np.arange(len(clip)), max(1, round(len(clip) / (_WINDOW * FPS))))
+    clear = {}
+    for k, name in enumerate(EFFECTOR_NAMES):
+        source, phase = principal_source(places[:, k], phases.sourcing.directions[k]), phases.local.phase[:, k]
+        clear[name] = float(np.median([explained(source[rows], phase[rows]) for rows in windows]))
+    return clear
+
+
+def _gait(speed: float, towards: float, flight: float) -> str:
+    if speed <= _SLOWEST:
+        return "stands"
+    verb = "runs" if flight > _FLIGHT and speed > _RUNNING else "walks"
+    way = "ahead" if abs(towards) < 45 else "backwards" if abs(towards) > 135 else "sideways"
+    return f"{verb} {way}"
+
+
+def _leg_length(skeleton: Skeleton) -> float:
+    return float(sum(np.linalg.norm(skeleton.offsets[j]) for j in skeleton.chain(skeleton.roles.toes[0])[1:]))
+
+
+def _length_faults(clip: Clip) -> list[str]:
+    if usable(len(clip)):
+        return []
+    return [f"lasts {len(clip)} frames at {FPS:g} a second; a take needs {SHORTEST_TAKE}"]
+
+
+def _upright_faults(pose: Pose, skeleton: Skeleton, legs: float) -> list[str]:
+    """A file whose up axis is another, or in which nobody stands upright."""
+    above: Float[ndarray, "3"] = np.median(_above_the_feet(pose, skeleton), axis=0)
+    if above[1] > _UPRIGHT:
+        return []
+    axis = int(np.abs(above).argmax())
+    if axis != 1 and abs(above[axis]) > _UPRIGHT:
+        sign = "" if above[axis] > 0 else "-"
+        return [f"its up axis seems to be {sign}{_AXES[axis]}; export it with y up"]
+    return [f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"]
+
+
+def _above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]:
+    """The hips seen from between the toes, in lengths of a leg."""
+    toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
+    return (pose.positions[:, 0] - toes) / _leg_length(skeleton)
+
+
+def _remarks(seen: Inspection) -> list[str]:
+    walk, remarks = seen.walk, []
+    assert walk is not None and seen.clarity is not None
+    if not _LEGS[0] <= seen.legs <= _LEGS[1]:
+        remarks.append(f"legs of {seen.legs:.2f} m: the unit may be another than the {seen.unit}")
+    if seen.stretch != (0, seen.frames):
+        start, stop = seen.stretch
+        remarks.append(f"the body jumps: cut the file to frames {start} to {stop - 1} of {seen.frames}")
+    if seen.fps < _COARSE:
+        remarks.append(f"{seen.fps:g} frames a second: what moves faster than {seen.fps / 2:g} Hz is not in it")
+    for share, what in ((walk.still, "nobody gets on"), (walk.fallen, "nobody is upright")):
+        if share > _OFTEN:
+            remarks.append(f"in {100 * share:.0f} % of the time {what}: cut that out")
+    if abs(walk.floor) > _FLOOR:
+        remarks.append(f"the feet rest {walk.floor:.2f} m from y = 0")
+    if walk.steps < _FEW_STEPS:
+        remarks.append(f"{walk.steps} steps: little to learn from")
+    elif walk.alternation < ALTERNATION:
+        remarks.append(f"only {100 * walk.alternation:.0f} % of the steps follow one of the other foot")
+    if walk.skate > _SLIDES:
+        remarks.append(f"feet slide by {walk.skate:.2f} m/s while they stand")
+    unclear = [name for name, share in seen.clarity.items() if share < _CLEAR]
+    if unclear:
+        remarks.append(f"no clear phase: {', '.join(unclear)}")
+    return remarks
+
+
+def _without_path(error: InputError) -> str:
+    return error.reason if error.line is None else f"line {error.line}: {error.reason}"
+
+
+HEADS = ("file", "style", "s", "fps", "gait", "m/s", "steps", "cycle s", "stands R, L", "clear phases", "verdict")
+
+
+def rows_of(found: Sequence[Inspection]) -> list[tuple[str, ...]]:
+    """A row for each file under `HEADS`."""
+    return [_row(each) for each in found]
+
+
+def _row(each: Inspection) -> tuple[str, ...]:
+    walk, clarity = each.walk, each.clarity or {}
+    told = (*each.faults, *each.remarks)
+    verdict = ("usable" if each.usable else "unusable") + (f": {'; '.join(told)}" if told else "")
+    head = (each.file.name, each.style, f"{each.seconds:.1f}", f"{each.fps:g}")
+    if walk is None:
+        return (*head, *[""] * (len(HEADS) - len(head) - 1), verdict)
+    return (
+        *head,
+        walk.gait,
+        f"{walk.speed:.2f}",
+        str(walk.steps),
+        f"{walk.cycle:.2f}",
+        f"{walk.contacts[0]:.2f}, {walk.contacts[1]:.2f}",
+        ", ".join(f"{share:.2f}" for share in clarity.values()),
+        verdict,
+    )

@@ -1,0 +1,160 @@
+"""One's own motion, from a folder of BVH files to a character that walks and a BVH file of its walk (notebook 15)."""
+
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stylephase.data.catalogue import Catalogue, load_catalogue
+from stylephase.data.registry import OWN
+from stylephase.evaluation.inspection import Report, fitting_weights, inspect_files
+from stylephase.evaluation.rollouts import Walk, codes_of, judge, start_of, walking_speed
+from stylephase.evaluation.style import style_space
+from stylephase.features.captures import captured_vectors
+from stylephase.features.layout import FPS
+from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.models.bundle import Bundle, load_bundle
+from stylephase.motion.bvh import read_bvh, read_with_unit, write_bvh
+from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.motion.synthetic import SKELETON, find_style, walk
+from stylephase.report.render.motion import Motion
+from stylephase.report.walks import data_walk
+from stylephase.runtime.calibration import calibrate
+from stylephase.runtime.plans import Steady
+from stylephase.runtime.rollout import roll_out, to_clip
+from stylephase.training.checkpoint import check_folder
+from stylephase.training.finetune import fine_tune
+from stylephase.training.loop import Trainer, identity_of
+from stylephase.training.presets import preset
+
+# The walker's joints as Mixamo calls them.
+_MIXAMO = {
+    "Chest": "Spine",
+    "Chest2": "Spine1",
+    "Chest3": "Spine2",
+    "Chest4": "Spine3",
+    **{
+        f"{side}{own}": f"{side}{other}"
+        for side in ("Left", "Right")
+        for own, other in {
+            "Collar": "Shoulder",
+            "Shoulder": "Arm",
+            "Elbow": "ForeArm",
+            "Wrist": "Hand",
+            "Hip": "UpLeg",
+            "Knee": "Leg",
+            "Ankle": "Foot",
+            "Toe": "ToeBase",
+        }.items()
+    },
+}
+_INCH, _DRIVEN_SECONDS = 0.0254, 8.0
+# What a fine-tuned style is called: weights may know its files by another name.
+MINE = "mine"
+
+
+def as_mixamo(clip: Clip) -> Clip:
+    """A clip of the walker with Mixamo's names."""
+    names = tuple(f"mixamorig:{_MIXAMO.get(name, name)}" for name in SKELETON.names)
+    return replace(clip, skeleton=replace(clip.skeleton, names=names))
+
+
+def write_walker(folder: Path, styles: Sequence[str] = ("Plain", "StoopedOver"), seconds: float = 12.0) -> Path:
+    """Takes of the walker as somebody's own files: Mixamo's names, inches, and two that are of no use."""
+    for style in styles:
+        for gait in ("FW", "BW"):
+            clip, truth = walk(find_style(style), gait, seconds=seconds)
+            whole = as_mixamo(clip.frames(*truth.cut))
+            write_bvh(folder / style / f"{style}_{gait}.bvh", whole, metres_per_unit=_INCH)
+    write_bvh(folder / styles[0] / "too_short.bvh", whole.frames(0, 40), metres_per_unit=_INCH)
+    write_bvh(folder / styles[0] / "other_rig.bvh", walk(find_style(styles[0]), "FW", seconds=3.0)[0])
+    return folder
+
+
+def write_takes(catalogue: Catalogue, folder: Path, gaits: Sequence[str], each: int = 6) -> Path:
+    """Up to so many takes of every style as somebody's own files: cut, at their own rate and unit."""
+    for style in catalogue.styles:
+        for entry in [entry for entry in catalogue.of(style) if entry.gait in gaits][:each]:
+            clip, unit = read_with_unit(entry.path, metres_per_unit=catalogue.dataset.metres_per_unit)
+            whole = clip.frames(entry.start, len(clip) if entry.stop is None else min(entry.stop, len(clip)))
+            write_bvh(folder / style / entry.path.name, whole, metres_per_unit=unit)
+    return folder
+
+
+def inspected(folder: Path) -> Report:
+    """The report on a folder of BVH files."""
+    return inspect_files([(entry.path, entry.style) for entry in load_catalogue(f"{OWN}{folder}").entries])
+
+
+def keep_usable(report: Report, folder: Path) -> Path:
+    """What is of use of the files of a report, in a folder of their own, arranged by style."""
+    for take in report.usable:
+        write_bvh(folder / take.style / take.file.name, read_bvh(take.file).frames(*take.stretch))
+    return folder
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A character of one's own: how it was learned, the walks of its styles, and its motion as a file.
+
+    `round_trip` (mm) is the largest distance of a joint between the walk and the same read back from its BVH file.
+    """
+
+    how: str
+    walks: Sequence[Walk]
+    motions: Mapping[str, Motion]
+    round_trip: float
+    file: Path
+
+
+def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
+    """Learn from the usable files, walk at the speed of the data, and write the walk of the first style as BVH.
+
+    Weights that know the skeleton learn the files as one style by fine-tuning; else a small network is trained anew,
+    for so many steps.
+    `work` is emptied first.
+    """
+    shutil.rmtree(work, ignore_errors=True)
+    usable = keep_usable(report, work / "usable")
+    fitting = fitting_weights(report.skeleton) if report.skeleton else []
+    bundle, styles, store, how = _tuned(fitting[0], usable) if fitting else _trained(usable, work, steps)
+    start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
+    gains = calibrate(bundle, codes, start, np.array([walking_speed(style) for style in styles]))
+    run = roll_out(bundle, codes, start, int(_DRIVEN_SECONDS * FPS), Steady(gains), grounded=True)
+    walks = judge(run, bundle, styles, gains, style_space(styles, bundle.layout), settle=int(2 * FPS))
+    name = styles[0].style
+    motions = {"data": data_walk(store, store.catalogue.styles[0], f"{store.catalogue.styles[0]}, data")}
+    clip = to_clip(run, 0, bundle.body, name)
+    pose = forward_kinematics(clip)
+    motions["ours"] = Motion(clip.skeleton, pose.positions, run.contacts[:, 0] > 0.5, label=f"{name}, ours")
+    file = work / f"{name}.bvh"
+    write_bvh(file, clip)
+    off = np.linalg.norm(forward_kinematics(read_bvh(file, metres_per_unit=0.01)).positions - pose.positions, axis=-1)
+    return Driven(how, walks, motions, 1000 * float(off.max()), file)
+
+
+# Weights, the styles to walk in, the vectors that they came from, and how it was learned.
+_Learned = tuple[Bundle, list[StyleVectors], VectorStore, str]
+
+
+def _tuned(weights: Path, folder: Path) -> _Learned:
+    base, catalogue = load_bundle(weights), load_catalogue(f"{OWN}{folder}")
+    phases, files = str(base.about["phases"]), [entry.path for entry in catalogue.entries]
+    vectors = captured_vectors(files, MINE, base.body, phases, str(base.about["data"]))
+    how = f"fine-tuned from data/pretrained/{weights.name}"
+    return fine_tune(base, [vectors]).bundle, [vectors], VectorStore(catalogue, phases), how
+
+
+def _trained(folder: Path, work: Path, steps: int) -> _Learned:
+    how = replace(preset("quick"), steps=steps)
+    store = VectorStore(load_catalogue(f"{OWN}{folder}"), how.phases)
+    check_folder(work / "run", identity_of(store, "lpn-film", how, "quick", 0), resume=True)
+    bundle = Trainer(store, "lpn-film", how, "quick", 0).run(work / "run", lambda steps: None)
+    return (
+        bundle,
+        [store.load(style) for style in bundle.styles],
+        store,
+        f"trained anew, preset quick with {steps} steps",
+    )

@@ -1,0 +1,143 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3 (ipykernel)
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Your own motion capture
+#
+# Beyond [M18] and [M22], which work on their own capture. Time: preset quick a minute, real examples some minutes.
+#
+# A folder of BVH files goes in, a character that walks like them comes out. Set `folder` to yours: a sub-folder for
+# each style, or file names that begin with the style and an underscore. Left empty, examples show what to expect.
+
+# %% tags=["parameters"]
+dataset: str = "synthetic"  # synthetic, or any other name for examples of real capture
+preset: str = "quick"  # only noted in the record
+figures_folder: str = "build/figures"  # folder for pictures and numbers
+folder: str = ""  # folder of BVH files of your own; left out: examples
+work: str = "build/own"  # folder for copies, weights and BVH files
+steps: int = 1200  # steps of a training
+
+# %%
+import shutil
+from pathlib import Path
+
+import numpy as np
+from IPython.display import Image, Markdown, display
+
+from stylephase.data.catalogue import load_catalogue
+from stylephase.evaluation.inspection import HEADS, rows_of
+from stylephase.report import own_motion
+from stylephase.report.manifest import ROOT
+from stylephase.report.png import write_png
+from stylephase.report.recorder import Recorder
+from stylephase.report.render import Layout, grid
+from stylephase.report.show import table
+
+figures, working = ROOT / figures_folder, ROOT / work
+
+
+def examples() -> dict[str, Path]:
+    """Folders as people have them, by the kind of skeleton."""
+    if folder:
+        return {"yours": Path(folder)}
+    shutil.rmtree(working / "examples", ignore_errors=True)
+    found = {"mixamo": own_motion.write_walker(working / "examples" / "mixamo")}
+    if dataset != "synthetic":
+        chosen = {"xsens": ("100style", ["FW"]), "bandai-namco": ("bandai-namco", ["walk"]), "cmu": ("pfnn", ["any"])}
+        for kind, (name, gaits) in chosen.items():
+            some = ["set1-old", "set1-proud", "set2-elderly", "set2-exhausted"] if name == "bandai-namco" else None
+            found[kind] = own_motion.write_takes(load_catalogue(name, some), working / "examples" / kind, gaits)
+    return found
+
+
+folders = examples()
+Markdown(f"Folders: {', '.join(folders)}.")
+
+# %% [markdown]
+# ## What is in the files?
+#
+# The same as `stylephase inspect FOLDER`: joints by name, unit from the length of the legs, gait from where the hips
+# face and go, steps and contacts, and how much of each limb's movement a sinusoid of its phase explains (left hand,
+# right hand, left foot, right foot). `unusable` has a reason that you can mend; other remarks say what will be worse.
+
+# %%
+reports = {kind: own_motion.inspected(path) for kind, path in folders.items()}
+for kind, report in reports.items():
+    known = next(take for take in report.takes if take.effectors)
+    told = f"**{kind}**: {known.joints} joints, unit {known.unit}, legs of {known.legs:.2f} m; hands and feet are "
+    display(Markdown(told + ", ".join((known.effectors or {}).values()) + "."), table(HEADS, *rows_of(report.takes)))
+
+# %% [markdown]
+# ## Learn and walk
+#
+# Where weights of this project know the skeleton, the files become one new style by fine-tuning, in a minute. Else a
+# small network learns all styles of the folder anew. Then each style walks for eight seconds at the speed of its data,
+# from a pose of its data, with its feet grounded; the first of them is written as BVH and read back.
+
+# %%
+driven = {kind: own_motion.learn_and_drive(report, working / kind, steps) for kind, report in reports.items()}
+heads = ("skeleton", "style", "speed m/s", "of the data", "steps", "alternate", "bones off %", "hips m", "of the data")
+rows = [
+    (
+        kind,
+        walk.style,
+        f"{walk.speed:.2f}",
+        f"{walk.data_speed:.2f}",
+        walk.steps.count,
+        "yes" if walk.steps.alternation >= 0.9 else "no",
+        f"{walk.bones.median:.1f}",
+        f"{walk.hips:.2f}",
+        f"{walk.data_hips:.2f}",
+    )
+    for kind, character in driven.items()
+    for walk in character.walks
+]
+table(heads, *rows)
+
+# %%
+table(
+    ("skeleton", "learned", "BVH read back is off by, mm"),
+    *((kind, character.how, f"{character.round_trip:.4f}") for kind, character in driven.items()),
+)
+
+# %%
+pictures = [motion for character in driven.values() for motion in character.motions.values()]
+alt = "Strips of walks: for each skeleton a take of the data above the learned character."
+write_png(figures / "15_your_own_mocap-walks.png", grid(pictures, Layout(frames=8, scale=60)), alt=alt)
+Image(figures / "15_your_own_mocap-walks.png", alt=alt)
+
+# %% [markdown]
+# ## With more time
+#
+# `stylephase train --model lpn-film --data own:FOLDER --preset cpu --out build/mine` trains the paper's network on your
+# folder in half an hour; `stylephase rollout --weights build/mine --style NAME --path points.txt --out walk.bvh` walks
+# it along a path; notebook [09](09_play.ipynb) drives it with the keys.
+
+# %% [markdown]
+# ## The record
+
+# %%
+params = {"folder": bool(folder), "steps": steps}
+recorder = Recorder("15_your_own_mocap", dataset=dataset, preset=preset, params=params)
+walks = [walk for character in driven.values() for walk in character.walks]
+NEAR = np.log(1.25)
+worst = max(character.round_trip for character in driven.values())
+off = [abs(np.log(walk.speed / walk.data_speed)) if walk.finite and walk.speed > 0 else np.inf for walk in walks]
+if not folder:
+    recorder.claim("ours-own-skeletons", value=len(folders), n=len(folders), dataset="own")
+    far = [f"{w.style} {w.speed:.2f}, data {w.data_speed:.2f} m/s" for w, o in zip(walks, off, strict=True) if o > NEAR]
+    share = float(np.mean([o <= NEAR for o in off]))
+    recorder.claim("ours-own-walks", value=share, n=len(walks), note=f"off: {'; '.join(far)}" if far else "")
+recorder.claim("ours-own-bvh", value=worst, n=len(driven))
+recorder.number("files", {kind: [len(r.usable), len(r.takes)] for kind, r in reports.items()}, "usable, all")
+recorder.write(figures_folder)
