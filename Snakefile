@@ -34,7 +34,7 @@ BASES = {"pfnn-cp-base-seed0": BASE, "pfnn-cp-normal-seed0": NEUTRAL}
 # A data set's name may hold a path (own:FOLDER), a folder's name may not.
 SET = DATASET.replace(":", "-").replace("/", "-")
 RUNS = [f"{model}-seed{seed}" for model in MODELS for seed in SEEDS]
-LEFT_OUT = ([] if WITHOUT else ["08"]) + ([] if BASE and NEUTRAL else ["12"])
+LEFT_OUT = ([] if WITHOUT else ["08"]) + ([] if BASE and NEUTRAL else ["12"]) + ([] if BASE else ["13"])
 NOTEBOOKS = sorted(p.stem for p in Path("notebooks").glob("[0-9][0-9]_*.py") if p.stem[:2] not in LEFT_OUT)
 LAYERS = "motion data phase features models training runtime evaluation report".split()
 
@@ -82,7 +82,9 @@ def needs(wildcards):
         return f"{HELD_OUT_RUN}/training.json"
     if wildcards.notebook == "12_few_shot":
         return expand(f"{RUN}/training.json", run=list(BASES))
-    one = wildcards.notebook in ("04_training", "09_play", "13_gram_style_transfer")
+    if wildcards.notebook == "13_gram_style_transfer":
+        return f"build/runs/{SET}-{PRESET}-pfnn-cp-base-seed0/training.json"
+    one = wildcards.notebook in ("04_training", "09_play")
     return expand(f"{RUN}/evaluation.json", run=[run for run in RUNS if run.startswith("lpn-film-")] if one else RUNS)
 
 

@@ -35,6 +35,7 @@ from stylephase.evaluation.fits import at_frames, curve_fits, windows_of
 from stylephase.evaluation.gaits import gait_scores
 from stylephase.evaluation.motion import steps_of
 from stylephase.evaluation.phases import WRONG, antiphase, backward_share, contact_agreement, explained
+from stylephase.evaluation.stochastic import explained_of_hands
 from stylephase.features.clips import WALKS
 from stylephase.features.layout import FPS
 from stylephase.models.released import release_bundle
@@ -489,6 +490,38 @@ Markdown(
     f"Medians over the frames, worst of {len(turning)} styles and four effectors: {worst_varied:.3f}; median over the "
     f"styles {middle_varied:.3f}. Of a constant rate the worst is {even_varied:.3f}. "
     f"F1 of all contacts {f1_varied:.3f}."
+)
+
+# %% [markdown]
+# ## What no phase explains
+#
+# > The source function handles stochastic motion poorly ([M22] 6).
+#
+# The plain walker's hands, with a share of their movement replaced by slow random movement of the same size: how much
+# of it does a sinusoid of their own phase still explain? Five seeds each; 0 is the check that nothing else is lost.
+# Below them `GlancingBack`, whose looks over the shoulder come at random, with more of them and with none.
+
+# %%
+SEEDS, adaptive = range(5), variant("adaptive")
+RANDOM, GLANCES = (0.0, 0.25, 0.5, 0.75, 1.0), (0.0, 0.3, 0.6)
+plain_walk, glancing = find_style("Plain"), find_style("GlancingBack")
+stochastic = {
+    **{
+        f"random share {s:g}": [
+            explained_of_hands(plain_walk, WALKER.contact, adaptive, share=s, seed=k) for k in SEEDS
+        ]
+        for s in RANDOM
+    },
+    **{
+        f"glances a second {n:g}": [
+            explained_of_hands(replace(glancing, glances=n), WALKER.contact, adaptive, seed=k) for k in SEEDS
+        ]
+        for n in GLANCES
+    },
+}
+table(
+    ("hands", "share explained by their phases, median", "least and most"),
+    *((name, f"{np.median(v):.2f}", f"{min(v):.2f} to {max(v):.2f}") for name, v in stochastic.items()),
 )
 
 # %% [markdown]
@@ -1002,6 +1035,20 @@ recorder.claim("ours-phase-search-amplitude", value=value, n=len(shrunk), note=n
 for how, rows in compared.items():
     for kind, part in (("feet", FEET_ROWS), ("hands", HAND_ROWS)):
         recorder.number(f"distance from the released network's phase, {kind}, {how}", pooled(rows, part)[0], "cycles")
+
+shares = [round(float(np.median(stochastic[f"random share {s:g}"])), 3) for s in (0.0, 1.0)]
+weak = max(stochastic["random share 1"]) < 0.6 and min(stochastic["random share 0"]) > 0.9
+note = "share of the hands' movement explained by their phases, none of it random and all of it; the walker, five seeds"
+verdict = OTHER_DATA if weak else DIFFERS
+recorder.claim("m22-stochastic-phases-weak", verdict=verdict, value=shares, n=len(SEEDS), note=note)
+raised = [round(float(explained(foot, of.local.phase[:, 2])), 3) for of in ways.values()]
+silent = float(hop["contact-based"][0])
+note = (
+    f"raised foot of a hopper: share explained by its phase, with and without contacts; magnitude with {silent:g} m/s"
+)
+verdict = OTHER_DATA if silent == 0 and raised[1] > 0.8 else DIFFERS
+note += "; what a network makes of it: notebook 06"
+recorder.claim("m22-intro-local-phase-any-style", verdict=verdict, value=raised[1], note=note)
 
 # %%
 table(

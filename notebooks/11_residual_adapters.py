@@ -49,7 +49,7 @@ from stylephase.models.spline import catmull_rom
 from stylephase.models.synthesis import NetworkSettings
 from stylephase.models.zoo import PAPER_2018, WIDTHS_2018, Widths, build
 from stylephase.report import palette, plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
+from stylephase.report.claims import DIFFERS, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 from stylephase.report.show import table
@@ -223,7 +223,7 @@ table(
 # > of the eight styles (Eq. 5). A minibatch holds one style, and the styles take turns (Section 6, Fig. 5).
 #
 # The very loop that trains, on eight styles of the walker, whatever data set this run names. Which weights differ after
-# each of its steps? White is untouched.
+# each of its steps? White is untouched. The verdicts stand in notebook 12, with the base that was trained so.
 
 # %%
 catalogue = load_catalogue("synthetic", load_catalogue("synthetic").styles[:8])
@@ -271,6 +271,7 @@ def gradient(rows: slice) -> np.ndarray:
 whole = gradient(slice(0, 320))
 parts = np.stack([gradient(slice(first, first + 40)) for first in range(0, 320, 40)])
 sum_off, apart = (float(np.abs(g - whole).max() / np.abs(whole).max()) for g in (parts.mean(axis=0), parts[0]))
+assert cycling and max(*l1_off.values(), sum_off) < 1e-9 < apart
 table(
     ("check", "off"),
     *((f"slope of the L1 term, {kind}", f"{off:.1e}") for kind, off in l1_off.items()),
@@ -333,21 +334,16 @@ grown = [parameters(adapters("full", n, 512)) for n in (1, 2, 4)]
 linear = grown == [grown[0] * n for n in (1, 2, 4)]
 judge("m18-memory-grows-linearly", linear, "GiB of a hundred full adapters at 50 phases", value=many)
 judge("m18-no-reference-at-runtime", asked == ["x", "gate_input", "code"], f"a frame asks for {', '.join(asked)} alone")
-close = max(*l1_off.values(), sum_off) < 1e-9 < apart
-judge("m18-eq3-loss", max(l1_off.values()) < 1e-9, "slopes of the L1 terms; means, where Eq. 3 prints norms")
-judge("m18-eq5-objective", close, "gradient over all styles against the mean over styles", value=sum_off, n=8)
-weights = [how.shared_l1, how.style_l1]
-judge("m18-l1-weight", weights == [0.01, 0.01], "of mean absolute weights, where Eq. 3 prints norms", value=weights)
-note = "the training loop, on eight styles of the walker"
-for identifier in ("m18-one-style-per-batch", "m18-fig5-cycling"):
-    recorder.claim(identifier, verdict=OTHER_DATA if cycling else DIFFERS, note=note, n=len(turns))
-recorder.not_testable("m18-training-hours", "a GTX 1080 Ti; notebook 12 gives the processor minutes of our base")
 table(
     ("claim", "value", "verdict", "note"),
     *((r.name, "" if r.value is None else r.value, r.verdict, r.note) for r in recorder.record.results),
 )
 
 # %%
+recorder.number(
+    "steps of the training loop that changed one adapter, in turn", int((turns[:, 1:] & in_turn).sum()), "of 24"
+)
+recorder.number("gradient of all styles against the mean over styles", sum_off, "relative")
 for name, (mean, _) in times.items():
     recorder.number(f"time of a frame, {name}", mean, "ms")
 recorder.write(figures_folder)

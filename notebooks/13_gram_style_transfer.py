@@ -14,8 +14,8 @@
 # %% [markdown]
 # # Style transfer by Gram matrices
 #
-# Paper: [M18], Section 8.2. Time: preset quick half a minute, preset cpu about six minutes, after a training of one
-# model.
+# Paper: [M18], Section 8.2. Time: preset quick half a minute, preset cpu about six minutes, after a training of the
+# base.
 #
 # The rival: Holden, Saito and Komura 2016 take a finished neutral motion and give it the style of another clip. A
 # motion autoencoder encodes both; the hidden units of the neutral one are optimised until they go together over time
@@ -27,8 +27,8 @@ dataset: str = "synthetic"  # data set of the styles
 preset: str = "quick"  # preset of the trainings
 figures_folder: str = "build/figures"  # folder for pictures and numbers
 runs_folder: str = "build/runs"  # folder of the trained runs; the autoencoder is written there too
-run: str = "lpn-film-seed0"  # the trained run that is driven along the same path
-weights: str = ""  # a folder of weights in place of the run, such as adapters learned from one clip of each style
+run: str = "pfnn-cp-base-seed0"  # the base whose adapters learn the clips, to be driven along the same path
+weights: str = ""  # a folder of other weights, that know the styles already, in place of the base
 seed: int = 0  # seed of the autoencoder and of the noise that a transfer starts from
 
 # %%
@@ -60,13 +60,14 @@ from stylephase.training.autoencoder import AutoencoderTraining, train_autoencod
 
 figures, rng, quick = ROOT / figures_folder, np.random.default_rng(0), preset == "quick"
 stem = f"{dataset.replace(':', '-').replace('/', '-')}-{preset}"
-chosen = rival.weights_folder(
-    ROOT / weights if weights else None, ROOT / runs_folder / f"{stem}-{run}", ROOT / "data" / "pretrained" / dataset
-)
-bundle, catalogue = load_bundle(chosen), load_catalogue(dataset)
-store = VectorStore(catalogue, bundle.about.get("phases", "adaptive"))
-layout, body, one_clip = store.body.layout, store.body, rival.few_shot_styles(bundle)
+places = [ROOT / runs_folder / f"{stem}-{run}", ROOT / "data" / "pretrained" / f"{dataset}-base"]
+chosen = rival.weights_folder(ROOT / weights if weights else None, *places)
+base, catalogue = load_bundle(chosen), load_catalogue(dataset)
+store = VectorStore(catalogue, base.about.get("phases", "adaptive"))
+layout, body = store.body.layout, store.body
 materials = rival.materials_of([store.load(style) for style in catalogue.styles])
+bundle = base if weights else rival.learned_from_clips(base, materials, seed)
+one_clip = rival.few_shot_styles(bundle)
 neutral = rival.neutral_style(list(materials.values()))
 knows = one_clip or bundle.styles
 targets = [s for s in materials if s in knows and s not in rival.neutral_styles(catalogue.styles)]

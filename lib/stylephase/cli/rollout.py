@@ -21,13 +21,14 @@ from stylephase.models.released import RELEASE
 from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
-from stylephase.runtime.calibration import calibrate, speed_of
+from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.export import write_motion
 from stylephase.runtime.finishing import RAW, Finishing
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
 from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
-from stylephase.runtime.walkers import NetworkWalker, drive, load_any, walker_of
+from stylephase.runtime.speeds import mixed_gain, mixed_speed
+from stylephase.runtime.walkers import drive, load_any, walker_of
 
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
@@ -35,6 +36,8 @@ _FASTEST = 10.0
 # Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near.
 _MOST_TURN, _NEAR = 720.0, 0.25
 _SHORTEST, _LONGEST = 0.1, 3600.0
+# A style that was learned from little may run where its standing foot leads it; then it walks where its network does.
+_WAYS = (Finishing(), Finishing(grounded=False))
 
 
 def rollout(
@@ -66,16 +69,23 @@ def rollout(
         return Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
 
     with tqdm(desc=out.name, unit="frame", disable=None) as bar:
-        walk = _walk(weights, style, out.stem, speed, plan, frames, RAW if raw else Finishing(), bar.update)
+        for finishing in (RAW,) if raw else _WAYS:
+            walk = _walk(weights, style, out.stem, speed, plan, frames, finishing, bar.update)
+            if _near(walk.speed, speed):
+                break
     _write(out, walk.clip, walk.contacts, style)
     result = {"out": out, "weights": weights, "licence": walk.licence, "style": walk.style}
     result |= {"frames": len(walk.clip), "fps": FPS, "gain": walk.gain, "speed": walk.speed}
-    result |= {"raw": raw, "asked": speed, "near": bool(abs(walk.speed / speed - 1) <= _NEAR)}
+    result |= {"raw": raw, "grounded": finishing.grounded, "asked": speed, "near": _near(walk.speed, speed)}
     text = f"{out}: {len(walk.clip)} frames of {style} at {walk.speed:.2f} m/s (asked: {speed:.2f}, "
     text += f"gain {walk.gain:.2f})"
     if not result["near"]:
         text += "; these weights do not walk at that speed"
     emit(result, as_json=as_json, text=text)
+
+
+def _near(speed: float, asked: float) -> bool:
+    return bool(abs(speed / asked - 1) <= _NEAR)
 
 
 @dataclass(frozen=True)
@@ -107,11 +117,10 @@ def _walk(
     """A walk by any network: trained weights, the authors' own, or Holden's."""
     mixture, loaded = parse_mixture(style), load_any(weights)
     walker = walker_of(loaded, controller.RELEASE if weights == RELEASE and finishing == RAW else None)
-    codes, wanted = walker.code(mixture)[None], np.array([speed])
-    start, gain = walker.start(codes), wanted
-    if isinstance(walker, NetworkWalker):
-        gain = calibrate(walker.bundle, codes, start, wanted, settings=walker.settings, tick=tick)
-    run = drive(walker, codes, start, frames, at_pace(plan(gain), wanted), finishing, tick)
+    codes = walker.code(mixture)[None]
+    curves = walker.curves(list(mixture), grounded=finishing.grounded)
+    gain, wanted = (np.array([of(curves, mixture, speed)]) for of in (mixed_gain, mixed_speed))
+    run = drive(walker, codes, walker.start(codes), frames, at_pace(plan(gain), wanted), finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
     clip, reached = to_clip(run, 0, walker.body, name), speed_of(run.root_positions[:, 0])

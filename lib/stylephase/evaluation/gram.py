@@ -34,6 +34,7 @@ from stylephase.runtime.gram import Anatomy, GramSettings, transfer
 from stylephase.runtime.led import roll_out_led
 from stylephase.runtime.rollout import Rollout
 from stylephase.runtime.trajectory import on_ground
+from stylephase.training.fewshot import Lesson, add_styles
 
 # Words for a style that is none.
 _NEUTRAL = ("normal", "neutral", "plain")
@@ -319,12 +320,31 @@ def seconds_of_one(bundle: Bundle, style: StyleVectors, path: Root) -> float:
     return (time.process_time() - begun) * FPS / len(run)
 
 
-def weights_folder(named: Path | None, run: Path, shipped: Path) -> Path:
-    """The first folder that holds trained weights: the one named, which must, a run, those that are shipped."""
-    for folder in (run, shipped) if named is None else (named,):
+def weights_folder(named: Path | None, *others: Path) -> Path:
+    """The first folder that holds trained weights: the one named, which must, or else of the others."""
+    for folder in others if named is None else (named,):
         if is_bundle(folder):
             return folder
-    raise InputError("holds no trained weights", named or run)
+    raise InputError("holds no trained weights", named or others[0])
+
+
+def learned_from_clips(base: Bundle, materials: Mapping[str, Material], seed: int = 0) -> Bundle:
+    """The base with an adapter for every style that it does not know, learned from the style's clip and nothing else.
+
+    So it saw what a transfer from one clip sees. Raises InputError where the base is no PFNN with adapters.
+    """
+    new = [clip_alone(material) for style, material in materials.items() if style not in base.codes]
+    learned = [{"style": style.style, "frames": len(style.x)} for style in new]
+    bundle = add_styles(base, [Lesson(style) for style in new], seed=seed)
+    return replace(bundle, about=bundle.about | {"few_shot": [*base.about.get("few_shot", []), *learned]})
+
+
+def clip_alone(material: Material) -> StyleVectors:
+    """A style as if its clip were all there is of it."""
+    style, rows = material.style, material.clip
+    parts = {name: getattr(style, name)[rows] for name in ("x", "p", "y", "phase", "phase_update")}
+    one = {name: np.zeros(len(rows), dtype=int) for name in ("take", "part")}
+    return replace(style, gaits=(style.gaits[style.take[rows[0]]],), **parts, **one)
 
 
 def few_shot_styles(bundle: Bundle) -> tuple[str, ...]:

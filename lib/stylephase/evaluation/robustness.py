@@ -18,10 +18,13 @@ from torch import Tensor
 from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle
-from stylephase.runtime.controller import Controller, ControllerSettings, State
+from stylephase.runtime.controller import Controller, ControllerSettings, Predict, State
+from stylephase.runtime.finishing import Finisher, Finishing
 from stylephase.runtime.limits import limited
+from stylephase.runtime.pace import Pace
 from stylephase.runtime.paths import SPACING, FollowPaths
 from stylephase.runtime.rollout import Tick, quiet
+from stylephase.runtime.speeds import SpeedCurve
 from stylephase.runtime.trajectory import Steering
 
 # The random path turns with this deviation (rad) over this length (m), and never sharper than this (rad/m).
@@ -78,12 +81,23 @@ def random_paths(count: int, seconds: float, rng: np.random.Generator) -> list[F
 
 
 class Wander:
-    """A plan of random input: paths, speeds around each character's own (m/s, times a gain), and stops."""
+    """A plan of random input: paths, speeds around each character's own, and stops.
 
-    def __init__(self, gains: Float[ndarray, " characters"], seconds: float, rng: np.random.Generator):
+    Without `curves` the gains (m/s) themselves vary; with them, `wanted` does (m/s), about the speeds of the gains, and
+    gains are read off the curves as a player does.
+    """
+
+    def __init__(
+        self,
+        gains: Float[ndarray, " characters"],
+        seconds: float,
+        rng: np.random.Generator,
+        curves: Sequence[SpeedCurve] = (),
+    ):
         self.path = FollowPaths(random_paths(len(gains), seconds, rng), gains)
-        self.gains, self.rng = gains, rng
-        self.left, self.factor = np.zeros(len(gains)), np.ones(len(gains))
+        self.gains, self.rng, self.curves = gains, rng, curves
+        self.own = np.array([np.interp(g, c.gains, c.speeds) for g, c in zip(gains, curves, strict=False)])
+        self.left, self.factor, self.wanted = np.zeros(len(gains)), np.ones(len(gains)), self.own
 
     def __call__(self, frame: int, state: State) -> Steering:
         """What is wanted at a frame."""
@@ -92,8 +106,16 @@ class Wander:
         fresh = self.rng.uniform(_SLOWEST, _QUICKEST, len(due)) * (self.rng.random(len(due)) > _STOPS)
         self.factor = np.where(due, fresh, self.factor)
         self.left = np.where(due, self.rng.uniform(_SHORTEST, _LONGEST, len(due)) * FPS, self.left)
-        self.path.speeds = self.gains * self.factor
+        if due.any():
+            self.path.speeds = self._gains()
         return limited(self.path(frame, state), state)
+
+    def _gains(self) -> Float[ndarray, " characters"]:
+        if not len(self.curves):
+            return self.gains * self.factor
+        asked = list(zip(self.curves, self.own * self.factor, strict=True))
+        self.wanted = np.array([curve.reached(speed) for curve, speed in asked])
+        return np.array([curve.gain(speed) for curve, speed in asked])
 
 
 class _Watch:
@@ -115,10 +137,11 @@ class _Watch:
         return np.array([not reason for reason in self.broken])
 
     @np.errstate(invalid="ignore", over="ignore")
-    def see(self, state: State, off: Float[ndarray, " characters"], seconds: float) -> None:
-        """Judge a frame of those who are whole still."""
+    def see(self, state: State, shown: State, off: Float[ndarray, " characters"], seconds: float) -> None:
+        """Judge a frame of those who are whole still, by the network's own pose; what is shown must be finite too."""
         p, limits = state.positions, self.limits
-        finite = np.isfinite(p).all(axis=(1, 2)) & np.isfinite(state.path.positions).all(axis=(1, 2))
+        parts = (p, state.path.positions, shown.positions)
+        finite = np.all([np.isfinite(part).all(axis=(1, 2)) for part in parts], axis=0)
         bones = np.linalg.norm(p[:, self.children] - p[:, self.parents], axis=-1)
         bones = np.abs(bones / self.lengths - 1).mean(axis=1)
         self.before = [*self.before[-self.window :], p[:, 0, ::2]]
@@ -175,21 +198,31 @@ def endure(
     seed: int = 0,
     limits: Plausible | None = None,
     settings: ControllerSettings | None = None,
+    curves: Sequence[SpeedCurve] = (),
+    finishing: Finishing | None = None,
+    fast: Predict | None = None,
     tick: Tick = quiet,
 ) -> list[Endurance]:
     """Let each style wander for some seconds at `gains` (m/s) times 0.5 to 1.3; who breaks is watched no longer.
 
+    Characters are finished as they are when somebody drives them, unless `finishing` says otherwise (finishing.py);
+    bones are judged in the network's own pose, since finished ones cannot be wrong. With `curves` (one a character)
+    they are led to speeds in m/s, as a player is. `fast` takes the network's place.
     Those who are broken are taken out of the batch, so that they cost nothing and their numbers stay what they were.
     """
     limits, rng, settings = limits or Plausible(), np.random.default_rng(seed), settings or ControllerSettings()
-    watch, plan = _Watch(bundle.body, len(styles), limits), Wander(gains, seconds, rng)
-    controller, state = Controller(bundle, codes, settings), start
+    watch, plan = _Watch(bundle.body, len(styles), limits), Wander(gains, seconds, rng, curves)
+    controller, finisher, state = Controller(bundle, codes, settings, fast), Finisher(bundle.body, finishing), start
+    pace = Pace(len(gains))
     with _faded_is_zero():
         for frame in range(int(seconds * FPS)):
-            state = controller.step(state, plan(frame, state))
+            before, wish = state, plan(frame, state)
+            if len(curves):
+                wish = limited(pace.lead(wish, plan.wanted, state), state)
+            state, shown = finisher(before, controller.step(before, wish))
             if frame >= _SETTLE_SECONDS * FPS or not np.isfinite(state.positions).all():
                 off = np.zeros(len(gains)) if frame < _SETTLE_SECONDS * FPS else plan.path.off
-                watch.see(state, off, (frame + 1) / FPS)
+                watch.see(state, shown, off, (frame + 1) / FPS)
             if not watch.whole.any():
                 break
             state = _restarted(state, start, watch.whole)

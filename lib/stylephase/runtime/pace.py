@@ -1,4 +1,9 @@
-"""Speeds in metres per second: the gain is turned up while a character is too slow, and down while it is too fast."""
+"""Speeds in metres per second: wishes are made larger while a character is too slow, smaller while it is too fast.
+
+Walking and running are two ways of going on, and some styles keep the one that they are in whatever is wished: who runs
+goes on running when a walk, or nothing, is wished for; and some go backwards when little is wished for. Such a
+character is pulled back until it walks, or pushed until it goes ahead.
+"""
 
 import numpy as np
 from jaxtyping import Float
@@ -6,58 +11,84 @@ from numpy import ndarray
 
 from stylephase.features.layout import FPS
 from stylephase.runtime.plans import OnPath, Plan
-from stylephase.runtime.trajectory import Steering
+from stylephase.runtime.trajectory import Steering, unit_ground
 
-# The speed is told from the way of the last second, so that a step counts whole. The gain follows what is missing
-# within about `_SECONDS`, and is changed by no more than the factor `_MOST` in all.
-_WINDOW, _SECONDS, _MOST = int(FPS), 2.0, 4.0
+# The speed is told from the way of the last second, so that a step counts whole. A wish is changed by what is missing
+# within about `_SECONDS`, and between the factors `_LEAST` and `_MOST` in all.
+_WINDOW, _SECONDS, _LEAST, _MOST = int(FPS), 2.0, 0.6, 1.6
 # After a new wish a character is left to itself for so long (s). A wish below this speed (m/s) is to stand.
 _PATIENCE, _STANDS = 2.0, 0.05
 # A wish that changes by less than this share is the same wish.
 _SAME = 0.02
+# Who is faster than this share of the wanted speed, and than this (m/s) unless it should stand, is pulled back by so
+# many times what is too much, and who goes the wrong way is pushed; that is told from half a second. Who should stand
+# is led back by so much a metre (1/s).
+_TOO_FAST, _NO_WALK, _PULL, _PUSH, _SHORT, _HOME = 1.3, 1.3, 1.5, 1.5, int(FPS / 2), 2.0
 # Nobody walks so far in a frame (m): that is a jump to another place.
 _JUMP = 1.0
 
 
 class Pace:
-    """Factors on the gains of some characters, from the speeds that are wanted of them and where they have been."""
+    """Leads some characters to the speeds that are wanted of them, from where they have been."""
 
     def __init__(self, characters: int):
         self.factors, self.wanted, self.waited = np.ones(characters), np.zeros(characters), np.zeros(characters)
+        self.stood, self.home = np.zeros(characters, dtype=bool), np.zeros((characters, 2))
         self.track: Float[ndarray, "frames characters 2"] = np.full((0, characters, 2), np.nan)
 
-    def __call__(self, wanted: Float[ndarray, " characters"], state: OnPath) -> Float[ndarray, " characters"]:
-        """The factors for the next frame, when speeds (m/s) are wanted; called once a frame.
+    # Who has left the finite numbers is not led.
+    @np.errstate(invalid="ignore", over="ignore")
+    def lead(self, wish: Steering, wanted: Float[ndarray, " characters"], state: OnPath) -> Steering:
+        """The wish for the next frame, whose velocities are a gain, such that speeds (m/s) are reached; once a frame.
 
         Who has jumped to another place begins anew.
         """
-        places = state.path.root.positions
+        self._see(state.path.root.positions)
+        wanted = np.where(np.linalg.norm(wish.velocity, axis=1) > _STANDS, wanted, 0.0)
+        self._learn(wish, wanted)
+        moved = self._moved(_SHORT)
+        fast = np.linalg.norm(moved, axis=1)
+        much = np.maximum(fast - np.maximum(_TOO_FAST * wanted, np.where(wanted > 0, _NO_WALK, 0.0)), 0.0)
+        back = _PULL * much[:, None] * unit_ground(moved, np.zeros_like(moved))
+        # Who goes the wrong way is pushed.
+        way = unit_ground(wish.velocity, np.zeros_like(moved))
+        wrong = np.where(wanted > 0, np.maximum(-(moved * way).sum(axis=1), 0.0), 0.0)
+        led = np.nan_to_num(_PUSH * wrong[:, None] * way - back + self._home(wanted), posinf=0.0, neginf=0.0)
+        return Steering(wish.velocity * self.factors[:, None] + led, wish.facing)
+
+    def _home(self, wanted: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2"]:
+        """What leads those who should stand back to where they came to a stop."""
+        standing = wanted == 0
+        self.home = np.where((standing & self.stood)[:, None], self.home, self.track[-1])
+        self.stood = standing
+        return _HOME * (self.home - self.track[-1])
+
+    def _see(self, places: Float[ndarray, "characters 2"]) -> None:
         if len(self.track):
-            self._begin_anew(~(np.linalg.norm(places - self.track[-1], axis=1) < _JUMP), places)
+            jumped = ~(np.linalg.norm(places - self.track[-1], axis=1) < _JUMP)
+            self.factors, self.waited = np.where(jumped, 1.0, self.factors), np.where(jumped, 0.0, self.waited)
+            self.track, self.stood = np.where(jumped[:, None], places, self.track), self.stood & ~jumped
         self.track = np.concatenate([self.track[-_WINDOW:], places[None]])
+
+    def _moved(self, frames: int) -> Float[ndarray, "characters 2"]:
+        """Mean velocity (m/s) over the last frames, as far as they are known."""
+        frames = min(frames, len(self.track) - 1)
+        return (self.track[-1] - self.track[-1 - frames]) * FPS / max(frames, 1)
+
+    def _learn(self, wish: Steering, wanted: Float[ndarray, " characters"]) -> None:
         fresh = np.abs(wanted - self.wanted) > _SAME * np.maximum(wanted, self.wanted)
         self.waited = np.where(fresh, 0.0, self.waited + 1 / FPS)
         self.wanted = np.where(fresh, wanted, self.wanted)
-        led = (self.waited > _PATIENCE) & (wanted > _STANDS) & (len(self.track) > _WINDOW)
-        speeds = np.linalg.norm(places - self.track[0], axis=1) * FPS / max(len(self.track) - 1, 1)
+        moved, way = self._moved(_WINDOW), unit_ground(wish.velocity, np.zeros_like(wish.velocity))
+        speeds, ahead = np.linalg.norm(moved, axis=1), (moved * way).sum(axis=1)
         missing = np.log(np.maximum(wanted, _STANDS) / np.maximum(speeds, _STANDS))
-        led &= np.isfinite(missing)
-        moved = self.factors * np.exp(np.where(led, np.clip(missing, -1, 1), 0.0) / (FPS * _SECONDS))
-        self.factors = np.clip(moved, 1 / _MOST, _MOST)
-        return self.factors
-
-    def _begin_anew(self, who: ndarray, places: Float[ndarray, "characters 2"]) -> None:
-        self.factors, self.waited = np.where(who, 1.0, self.factors), np.where(who, 0.0, self.waited)
-        self.track = np.where(who[:, None], places, self.track)
+        # Who goes the wrong way is pushed, and nothing is learned from it.
+        led = (self.waited > _PATIENCE) & (wanted > _STANDS) & (ahead > -_STANDS) & (len(self.track) > _WINDOW)
+        missing = np.where(led & np.isfinite(missing), np.clip(missing, -1, 1), 0.0)
+        self.factors = np.clip(self.factors * np.exp(missing / (FPS * _SECONDS)), _LEAST, _MOST)
 
 
 def at_pace(plan: Plan, wanted: Float[ndarray, " characters"]) -> Plan:
-    """The same plan with characters led to speeds (m/s); where it wants one to stand, that one is left alone."""
+    """The same plan with characters led to speeds (m/s) while it wants them to go anywhere."""
     pace = Pace(len(wanted))
-
-    def paced(frame: int, state: OnPath) -> Steering:
-        wish = plan(frame, state)
-        moving = np.linalg.norm(wish.velocity, axis=1) > 0
-        return Steering(wish.velocity * pace(wanted * moving, state)[:, None], wish.facing)
-
-    return paced
+    return lambda frame, state: pace.lead(plan(frame, state), wanted, state)

@@ -11,7 +11,7 @@ from scipy.ndimage import gaussian_filter1d
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
 from stylephase.runtime.controller import State
-from stylephase.runtime.plans import heading
+from stylephase.runtime.plans import OnPath, heading
 from stylephase.runtime.rollout import Rollout
 from stylephase.runtime.trajectory import Steering, unit_ground
 
@@ -65,7 +65,7 @@ class FollowPaths:
         self.last = np.array([len(path) - 1 for path in paths])
         self.reached, self.off = np.zeros(len(paths), dtype=int), np.zeros(len(paths))
 
-    def __call__(self, frame: int, state: State) -> Steering:
+    def __call__(self, frame: int, state: OnPath) -> Steering:
         """Head for a point of the path a little ahead of the nearest one."""
         places, who = state.path.root.positions, np.arange(len(self.points))
         reached = np.zeros_like(self.reached) if frame == 0 else self.reached

@@ -23,8 +23,6 @@ from stylephase.runtime.walkers import walker_of
 
 # A new mixture is taken on by this share a frame: a quarter of a second for most of it, so that nothing jumps.
 _BLEND = 0.1
-# Who wants less than this (m/s, times a gain) stands.
-_STANDS = 0.05
 
 
 class Player:
@@ -89,6 +87,10 @@ class Player:
         barycentric(point)
         self.point = np.asarray(point, dtype=float)
 
+    def jump_to_mixture(self) -> None:
+        """Take on the mixture at once, and not within a quarter of a second."""
+        self.code = self._wanted_code()
+
     def choose(self, styles: Sequence[str]) -> None:
         """Other styles at the corners; their curves must have been measured."""
         chosen = self._three(styles)
@@ -110,7 +112,9 @@ class Player:
 
     def steering(self) -> Steering:
         """What is wanted now."""
-        gain = self._gain()
+        mixture = triangle_mixture(self.styles, self.point)
+        speed = min(self.speed * (self.key_settings.run if RUN in self.held else 1.0), FASTEST)
+        gain = np.array([mixed_gain(self.curves, mixture, speed)])
         if self.path is not None:
             self.path.speeds = gain
             self.wish = self.path(self.frame, self.state)
@@ -119,7 +123,8 @@ class Player:
         else:
             # The gain is already that of running.
             self.wish = steer_by_keys(self.held - {RUN}, self.wish, self.state, gain, self.key_settings)
-        return limited(self.wish, self.state)
+        wanted = np.array([mixed_speed(self.curves, mixture, speed)])
+        return limited(self.pace.lead(self.wish, wanted, self.state), self.state)
 
     def step(self) -> State:
         """The next frame, as it is shown. A character that left the finite numbers starts anew."""
@@ -131,14 +136,6 @@ class Player:
             self.reset()
             return self.state
         return shown
-
-    def _gain(self) -> Float[ndarray, "1"]:
-        """The gain that leads to the wanted speed, or with Shift to a multiple of it."""
-        mixture = triangle_mixture(self.styles, self.point)
-        speed = min(self.speed * (self.key_settings.run if RUN in self.held else 1.0), FASTEST)
-        moving = np.linalg.norm(self.wish.velocity) > _STANDS
-        factors = self.pace(np.array([mixed_speed(self.curves, mixture, speed) * moving]), self.state)
-        return mixed_gain(self.curves, mixture, speed) * factors
 
     def _wanted_code(self) -> torch.Tensor:
         return self.walker.code(triangle_mixture(self.styles, self.point))

@@ -41,6 +41,9 @@ class SpeedCurve:
         k = int(np.searchsorted(rising, speed))
         if k in (0, len(rising)):
             return float(self.gains[min(k, len(rising) - 1)])
+        if rising[k - 1] <= 0:
+            # At the lower gain it goes backwards, and may well do so in between.
+            return float(self.gains[k])
         share = (speed - rising[k - 1]) / (rising[k] - rising[k - 1])
         share = round(share) if rising[k] - rising[k - 1] > _LEAP else share
         return float(self.gains[k - 1] + share * (self.gains[k] - self.gains[k - 1]))
@@ -49,6 +52,13 @@ class SpeedCurve:
         """The speed (m/s) at the gain that is given for a speed: the same, or the nearest that the style has."""
         gain = self.gain(speed)
         return float(np.interp(gain, self.gains, np.maximum.accumulate(self.speeds))) if gain else 0.0
+
+    @property
+    def own(self) -> float:
+        """The speed (m/s) at which the style goes ahead when just that is asked for: where gain and speed meet."""
+        rising = np.maximum.accumulate(self.speeds)
+        meet = (rising > 0) & (self.gains >= rising)
+        return float(rising[int(np.argmax(meet))] if meet.any() else rising[-1])
 
     def __len__(self) -> int:
         return len(self.gains)
@@ -79,7 +89,8 @@ def speed_curves(
     many, plan = start.repeated(len(_GAINS)), Steady(gains)
     run = roll_out(bundle, codes, many, frames, plan, settings, tick, grounded=grounded)
     half = run.root_positions[frames // 2 :]
-    speeds = np.array([speed_of(half[:, k]) for k in range(len(gains))])
+    # Who goes backwards, though wished ahead, goes at less than no speed.
+    speeds = np.array([speed_of(half[:, k]) * np.sign(half[-1, k, 1] - half[0, k, 1]) for k in range(len(gains))])
     kept = (run.finite & np.isfinite(speeds)).reshape(len(styles), -1)
     curves = {}
     for style, row, good in zip(styles, speeds.reshape(len(styles), -1), kept, strict=True):

@@ -122,7 +122,7 @@ class HoldenWalker:
 
     def curves(self, styles: Sequence[str], *, grounded: bool) -> dict[str, SpeedCurve]:
         """Every speed is its own gain."""
-        same = np.array([0.1, 10.0])
+        same = np.linspace(0.1, 10.0, 100)
         return {style: SpeedCurve(same, same) for style in styles}
 
     def step(self, codes: Codes, state: State, steering: Steering) -> State:

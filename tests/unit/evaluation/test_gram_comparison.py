@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import tiny_adapters as adapters
 from tiny_walker import BODY, bundle, style_vectors
 
 from stylephase.data.split import PARTS
 from stylephase.errors import InputError
 from stylephase.evaluation.gram import (
     apart,
+    clip_alone,
     contents_of,
     driven,
     farthest,
@@ -17,6 +19,7 @@ from stylephase.evaluation.gram import (
     judged,
     known_stretches,
     lasting,
+    learned_from_clips,
     material_of,
     materials_of,
     neutral_style,
@@ -160,3 +163,15 @@ def test_weights_say_which_styles_they_learned_from_one_clip():
     assert few_shot_styles(weights) == ()
     learned = [{"style": "Old", "frames": 200}]
     assert few_shot_styles(replace(weights, about=weights.about | {"few_shot": learned})) == ("Old",)
+
+
+def test_what_is_driven_learned_each_style_from_its_clip_and_nothing_else():
+    material = material_of(takes("train", "test", "train"))
+    cut = clip_alone(material)
+    assert len(cut.x) == len(material.clip) and len(cut.gaits) == 1 and set(cut.part) == set(cut.take) == {0}
+    np.testing.assert_array_equal(cut.y, material.style.y[material.clip])
+    known = adapters.base()
+    new = replace(material, style=replace(material.style, style="Limp"))
+    old = replace(material, style=replace(material.style, style=known.styles[0]))
+    learned = learned_from_clips(known, {"Limp": new, known.styles[0]: old})
+    assert few_shot_styles(learned) == ("Limp",) and learned.styles == (*known.styles, "Limp")

@@ -11,7 +11,7 @@ from stylephase.evaluation.robustness import random_paths
 from stylephase.runtime.controller import Controller, ControllerSettings
 from stylephase.runtime.paths import FollowPaths
 
-_SIZES = (1, 8, 32, 100, 256)
+_SIZES = (1, 10, 100, 1000)
 _ROUNDS, _EACH = 4, 4
 # Frames a second that are needed to be live.
 _LIVE = 60

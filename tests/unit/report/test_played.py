@@ -1,0 +1,104 @@
+"""The verdicts of the notebook of the played character: each can come out the other way."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stylephase.evaluation.character import Arms, Looks
+from stylephase.evaluation.robustness import Endurance
+from stylephase.report.played import Found, effect, looks_table, record, triples
+from stylephase.report.recorder import Recorder
+
+ROWS = 8
+
+
+def looks(skate: float, acceleration: float, bones: float = 0.0) -> Looks:
+    steady = np.full(ROWS, 1.0) + 0.01 * np.arange(ROWS)
+    return Looks(skate * steady, acceleration * steady, np.full(ROWS, bones), steady)
+
+
+def arms(wrong: float, led: float) -> Arms:
+    return Arms(np.full(ROWS, 0.02), np.zeros(ROWS), np.full(ROWS, wrong), np.full(ROWS, led))
+
+
+def good() -> Found:
+    seen = {"raw": looks(0.15, 30, 16.0), "grounded": looks(0.1, 30), "finished": looks(0.001, 35)}
+    seen |= {"scrambled": looks(0.4, 120), "sudden": looks(0.0, 90)}
+    held = [Endurance(f"s{k}", 60.0, "", (0.8, 0.9), 0.01, 0.2, 1.3) for k in range(ROWS)]
+    mixing = np.stack([np.full(4, 31.0), np.full(4, 30.0), np.full(4, 66.0)], axis=1)
+    more, costs, speeds = (0.02, 0.01, 0.03), {"finishing": 0.5, "network": 2.0}, np.full(ROWS, 1.2)
+    return Found(
+        dataset="bandai-namco",
+        recorded=np.full(ROWS, 50.0),
+        looks=seen,
+        pure=arms(0.03, 0.0),
+        half=arms(0.05, 0.0),
+        more_wrong=more,
+        mixing=mixing,
+        costs=costs,
+        wanted=speeds,
+        led=1.02 * speeds,
+        endured=held,
+        alone=held,
+        recognised=0.9,
+        walkers=ROWS,
+        one_clip=True,
+        released=False,
+    )
+
+
+def verdicts(found: Found) -> dict[str, str]:
+    recorder = Recorder("09_play", dataset="bandai-namco", preset="cpu", params={})
+    record(recorder, found)
+    return {result.id: result.verdict for result in recorder.record.results}
+
+
+def test_what_is_good_is_reproduced():
+    assert all(verdict.startswith("reproduced") for verdict in verdicts(good()).values())
+
+
+@pytest.mark.parametrize(
+    ("claim", "change"),
+    [
+        ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"finished": looks(0.15, 35)}}),
+        ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"scrambled": looks(0.001, 35)}}),
+        ("m22-demo-arm-ik", lambda f: {"more_wrong": (0.0, -0.01, 0.01)}),
+        ("m22-demo-arm-ik", lambda f: {"half": arms(0.05, 0.04)}),
+        ("m22-demo-three-styles", lambda f: {"mixing": f.mixing * np.array([2, 1, 2])}),
+        ("m22-demo-three-styles", lambda f: {"mixing": f.mixing * np.array([1, 1, 0.4])}),
+        ("m22-demo-precomputed-code", lambda f: {"alone": [replace(e, broken="too fast") for e in f.alone]}),
+        ("ours-play-skate", lambda f: {"looks": f.looks | {"finished": looks(0.03, 35)}}),
+        ("ours-play-pops", lambda f: {"looks": f.looks | {"finished": looks(0.001, 90)}}),
+        ("ours-play-bones", lambda f: {"looks": f.looks | {"finished": looks(0.001, 35, 1.0)}}),
+        ("ours-play-finishing-cost", lambda f: {"costs": {"finishing": 2.0, "network": 2.0}}),
+        ("ours-play-speeds", lambda f: {"led": 1.2 * f.wanted}),
+        ("ours-play-endurance", lambda f: {"endured": [replace(f.endured[0], broken="too fast"), *f.endured[1:]]}),
+        ("ours-play-crowd-recognised", lambda f: {"recognised": 0.4}),
+    ],
+)
+def test_what_is_not_differs(claim, change):
+    found = good()
+    assert verdicts(replace(found, **change(found)))[claim] == "differs"
+
+
+def test_without_a_style_network_one_clip_cannot_be_tested():
+    found = verdicts(replace(good(), one_clip=False))
+    assert found["m22-arbitrary-length"] == "not testable here"
+    assert found["m22-demo-precomputed-code"] == "reproduced on other data"
+
+
+def test_a_table_has_a_row_for_each_way():
+    lines = looks_table(good().looks, np.full(ROWS, 50.0)).splitlines()
+    assert len(lines) == 7 and lines[2].startswith("| raw | 0.155, at most 0.161 | 0.621")
+
+
+def test_threes_share_no_style_and_few_styles_make_one():
+    found = triples([f"s{k}" for k in range(22)])
+    assert len(found) == 7 and len({style for three in found for style in three}) == 21
+    assert len(triples(["a", "b"])) == 1
+
+
+def test_an_effect_has_its_mean_within_its_interval():
+    value, low, high = effect(np.array([1.0, 2.0, 3.0]))
+    assert value == pytest.approx(2.0) and low < value < high
