@@ -42,7 +42,7 @@ def sweeps(panels: Mapping[str, Mapping[str, Mapping[float, Middle]]], labels: M
                 axes.plot(at, [m.value for m in values], marker="o", color=colour, label=label)
                 low, high = ([getattr(m, end) for m in values] for end in ("low", "high"))
                 # A little apart, so that one line does not hide the next.
-            axes.vlines(np.array(at) + 0.004 * k * np.ptp(at), low, high, color=colour, linewidth=1.2, alpha=0.6)
+            axes.vlines(np.array(at) + 0.012 * k * np.ptp(at), low, high, color=colour, linewidth=1.2, alpha=0.6)
             axes.set(title=title, xlabel=labels[title])
             axes.legend()
         row[0].set_ylabel("mean pose error (cm)")
