@@ -49,6 +49,7 @@ from stylephase.evaluation.fewshot import (
     by_own_statistics,
     clip_again,
     courses_of,
+    detail_kept,
     held,
     learned,
     led_along,
@@ -56,6 +57,7 @@ from stylephase.evaluation.fewshot import (
     middle,
     nearer_to_neutral,
     real_jolts,
+    recognised_by_statistics,
     recognised_straight,
     rival_courses,
     rivals,
@@ -220,6 +222,31 @@ far_off = {
 Markdown(
     "Styles farther than 20 cm off: "
     + "; ".join(f"{name}: {', '.join(some) or 'none'}" for name, some in far_off.items())
+)
+
+# %% [markdown]
+# > One mean and deviation serve all styles, since they carry style themselves ([M18] 5.1); normalising each style by
+# > itself keeps more detail but generalises badly (9.3).
+#
+# Do statistics carry style? The mean pose of an unseen walk, normalised as the base is, against those of the clips:
+# with statistics of its own each walk's mean would be nothing, and chance be left. What own statistics gain is looked
+# for along the clip itself, as the share of movement above 5 Hz over the clip's; what they cost is in the table above.
+
+# %%
+BASES, OWN = "the base's", "the clip's own"
+by_statistics = recognised_by_statistics(study)
+detail = {BASES: detail_kept(study, dict.fromkeys(new, ways["CP"].bundle)), OWN: detail_kept(study, own)}
+whole = np.isfinite(detail[BASES]) & np.isfinite(detail[OWN])
+sharper = difference(np.log(detail[OWN][whole]), np.log(detail[BASES][whole]), np.random.default_rng(0))
+table(
+    ("statistics", "movement above 5 Hz kept, median", "unseen walks (cm)"),
+    (BASES, f"{np.nanmedian(detail[BASES]):.2f}", middle(found["CP"].walking)),
+    (
+        OWN,
+        f"{np.nanmedian(detail[OWN]):.2f}",
+        middle(found["CP, own statistics"].walking),
+    ),
+    ("unseen walks told by their mean pose", f"{100 * by_statistics:.0f} %", f"chance {100 / len(new):.0f} %"),
 )
 
 # %%
@@ -657,6 +684,19 @@ judge(
     better["CP, own statistics"],
     f"{told} with the clip's own statistics",
     value=paired["CP, own statistics"].interval,
+)
+judge(
+    "m18-one-normaliser",
+    by_statistics > 3 / len(new),
+    f"share of unseen walks told by their mean pose under the base's statistics; chance {1 / len(new):.2f}",
+    value=round(by_statistics, 3),
+)
+judge(
+    "m18-per-style-normaliser",
+    sharper.low > 0 and better["CP, own statistics"],
+    f"log ratio of movement above 5 Hz kept along the clip, own statistics over the base's; {told} with own statistics "
+    f"{paired['CP, own statistics']}",
+    value=sharper.interval,
 )
 judge("m18-fewshot-frozen-base", moved == 0 and kept_shared, "tensors of the base, compared bit by bit")
 clip_seconds = [round(s.seconds, 1) for s in study.styles]

@@ -59,6 +59,8 @@ def read_json(path: str | Path) -> Any:
         raise InputError("no such file", path) from error
     except UnicodeDecodeError as error:
         raise InputError("not UTF-8 text", path) from error
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror}", path) from error
     except json.JSONDecodeError as error:
         raise InputError(f"not JSON: {error.msg}", path, error.lineno) from error
 

@@ -11,7 +11,7 @@ from stylephase.cli.output import AsJson, emit
 from stylephase.data.layouts import find_entries
 from stylephase.data.registry import OWN
 from stylephase.errors import InputError
-from stylephase.evaluation.inspection import Inspection, Report, fitting_weights, inspect_files
+from stylephase.evaluation.inspection import FINETUNE, Inspection, Report, fitting_weights, inspect_files
 
 
 def inspect(
@@ -24,10 +24,11 @@ def inspect(
     """
     files = [pair for path in paths for pair in _files(path)]
     report = inspect_files(tqdm(files, desc="inspect", unit="file", disable=None))
-    fitting = fitting_weights(report.skeleton) if report.skeleton else []
+    fitting = fitting_weights(report.skeleton) if report.skeleton else {}
     takes = [asdict(take) | {"usable": take.usable} for take in report.takes]
     lines = [*map(_line, report.takes), *_skeleton_lines(report), *_next(report, fitting, paths)]
-    emit({"takes": takes, "usable": len(report.usable), "weights": fitting}, as_json=as_json, text="\n".join(lines))
+    weights = {str(path): command for path, command in fitting.items()}
+    emit({"takes": takes, "usable": len(report.usable), "weights": weights}, as_json=as_json, text="\n".join(lines))
     if not report.usable:
         raise InputError(f"none of {len(files)} files is usable; the first: {report.takes[0].faults[0]}", files[0][0])
 
@@ -59,19 +60,21 @@ def _skeleton_lines(report: Report) -> list[str]:
     return ["", f"Skeleton: {known.joints} joints; unit {known.unit}; legs of {known.legs:.2f} m; {effectors}"]
 
 
-def _next(report: Report, fitting: list[Path], paths: list[Path]) -> list[str]:
+def _next(report: Report, fitting: dict[Path, str], paths: list[Path]) -> list[str]:
     """What to do with the usable files."""
     if not report.usable:
         return []
     files, styles = len(report.usable), sorted({take.style for take in report.usable})
+    take, place = report.usable[0], paths[0] if paths[0].is_dir() else paths[0].parent
     lines = [f"{files} of {len(report.takes)} files usable, {len(styles)} styles: {', '.join(styles)}"]
-    if fitting:
-        take = report.usable[0]
-        lines.append(f"These weights know the skeleton: {', '.join(map(str, fitting))}. To teach them a style:")
+    for weights, command in fitting.items():
+        which, clip = ("--base", "--bvh") if command == FINETUNE else ("--weights", "--clip")
+        lines.append(f"{weights} knows the skeleton. To teach it a style:")
         lines.append(
-            f"  stylephase finetune --base {fitting[0]} --bvh {take.file} --style {take.style} --out build/mine"
+            f"  stylephase {command} {which} {weights} {clip} {take.file} --style {take.style} --out build/mine"
         )
+    if not fitting:
+        lines.append("No weights here that can learn know the skeleton. To train some:")
     else:
-        lines.append("No weights here know the skeleton. To train some:")
-        lines.append(f"  stylephase train --model lpn-film --data {OWN}{paths[0]} --preset cpu --out build/mine")
-    return lines
+        lines.append("To train all styles anew:")
+    return [*lines, f"  stylephase train --model lpn-film --data {OWN}{place} --preset cpu --out build/trained"]

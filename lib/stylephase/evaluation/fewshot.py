@@ -20,6 +20,7 @@ from stylephase.evaluation.new_clips import NewStyle, gaits_of, new_style
 from stylephase.evaluation.rollouts import start_of, walking_speed
 from stylephase.evaluation.stretches import generated, recorded
 from stylephase.features.clips import WALKS
+from stylephase.features.layout import FPS
 from stylephase.features.normaliser import normaliser_of
 from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.models.bundle import Bundle
@@ -31,6 +32,8 @@ WALKING = ("walk, another take", "walk-left", "walk-right", "SW", "BW")
 RUNNING = ("run", "dash", "FR", "SR", "BR")
 # Frames that an unseen take needs beyond those that settle, and recorded walks of a base style that are looked at.
 _FEWEST, _WALKS = 40, 6
+# What is faster than this (Hz) is detail.
+_FAST = 5.0
 _DRAWS = 4000
 
 Cycle = Float[ndarray, "grid joints 3"]
@@ -255,6 +258,43 @@ def by_own_statistics(study: Study, how: FewShot, schedule: Schedule) -> dict[st
         own = replace(study.base, normaliser=normaliser_of([clip], study.base.layout))
         bundles[style.name] = add_styles(own, [Lesson(style.clip, how)], schedule)
     return bundles
+
+
+def detail_kept(study: Study, bundles: Mapping[str, Bundle]) -> Float[ndarray, " styles"]:
+    """Of each style led along the clip that it learned: its share of fast movement over the clip's ([M18] 9.3)."""
+    kept = []
+    for clip, style in zip(study.clips, study.styles, strict=True):
+        bundle = bundles[style.name]
+        (moved,) = drive(
+            bundle.network.synthesis.eval(), bundle.layout, bundle.normaliser, bundle.code(style.name)[None], [clip]
+        )
+        real = recorded_part(clip, bundle.layout)
+        kept.append(_fast_share(moved.places) / _fast_share(real.places) if moved.finite else np.nan)
+    return np.array(kept)
+
+
+def _fast_share(places: Float[ndarray, "frames joints 3"]) -> float:
+    """Share of the power of the joints' velocities above 5 Hz."""
+    velocity = np.diff(places, axis=0)
+    power = np.abs(np.fft.rfft((velocity - velocity.mean(axis=0)) * np.hanning(len(velocity))[:, None, None], axis=0))
+    fast = np.fft.rfftfreq(len(velocity), 1 / FPS) > _FAST
+    return float(np.square(power[fast]).sum() / np.square(power).sum())
+
+
+def recognised_by_statistics(study: Study) -> float:
+    """Share of unseen walks whose mean pose, normalised as the base is, lies nearest to that of their style's clip.
+
+    Normalised by statistics of their own all means are zero, so that chance would be left: one in the styles.
+    """
+    pose, n = study.base.layout.x_pose, study.base.normaliser
+
+    def mean(style: StyleVectors) -> Float[ndarray, " pose"]:
+        return ((style.x[:, pose] - n.x_mean[pose]) / n.x_std[pose]).mean(axis=0)
+
+    clips = np.stack([mean(clip) for clip in study.clips])
+    walks = [(name, mean(take)) for (name, gait), take in study.takes.items() if gait in WALKING]
+    near = [study.names[int(np.linalg.norm(clips - at, axis=1).argmin())] == name for name, at in walks]
+    return float(np.mean(near))
 
 
 def rivals(

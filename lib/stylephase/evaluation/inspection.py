@@ -18,8 +18,9 @@ from stylephase.data.registry import DATA, MIDDLE_CONTACT
 from stylephase.errors import InputError
 from stylephase.evaluation.motion import ALTERNATION, foot_skate, steps_of
 from stylephase.evaluation.phases import antiphase, explained
-from stylephase.features.layout import FPS
+from stylephase.features.layout import FPS, GLOBAL
 from stylephase.models.bundle import load_bundle
+from stylephase.models.modulators import Adapters
 from stylephase.motion.bvh import read_with_unit
 from stylephase.motion.clip import Clip, Pose, forward_kinematics, resample
 from stylephase.motion.root import root_of
@@ -29,6 +30,8 @@ from stylephase.phase.source import principal_source
 from stylephase.phase.take import TakePhases, movement_of, take_phases
 
 PRETRAINED = DATA / "pretrained"
+# The commands by which weights learn a new style.
+FINETUNE, FEWSHOT = "finetune", "fewshot"
 UNITS = {1.0: "metre", 0.01: "centimetre", 0.001: "millimetre", 0.0254: "inch", 0.0254 / 0.45: "CMU's (2.54 cm / 0.45)"}
 # Legs of an adult (m); a guess of the unit that gives others is doubtful.
 _LEGS = (0.6, 1.25)
@@ -132,12 +135,13 @@ def inspect_files(files: Iterable[tuple[Path, str]], how: PhaseVariant | None = 
     return Report(tuple(found), first[1] if first else None)
 
 
-def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> list[Path]:
-    """The trained weights in a folder of such that know a skeleton and can learn a new style of it.
+def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> dict[Path, str]:
+    """The trained weights in a folder of such that know a skeleton and can learn a new style, and by which command.
 
-    That takes their style network, which weights that are only meant to walk come without.
+    By `finetune` with their style network, which weights that are only meant to walk come without, or by `fewshot`
+    with an adapter.
     """
-    found = []
+    found = {}
     for path in sorted(path.parent for path in folder.glob("*/model.json")):
         bundle = load_bundle(path)
         try:
@@ -145,7 +149,9 @@ def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> list[Path]
         except InputError:
             continue
         if bundle.makes_codes:
-            found.append(path)
+            found[path] = FINETUNE
+        elif isinstance(bundle.network.synthesis.modulator, Adapters) and bundle.layout.gate == GLOBAL:
+            found[path] = FEWSHOT
     return found
 
 

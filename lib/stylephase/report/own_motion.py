@@ -9,7 +9,7 @@ import numpy as np
 
 from stylephase.data.catalogue import Catalogue, load_catalogue
 from stylephase.data.registry import OWN
-from stylephase.evaluation.inspection import Report, fitting_weights, inspect_files
+from stylephase.evaluation.inspection import FINETUNE, Report, fitting_weights, inspect_files
 from stylephase.evaluation.rollouts import Walk, codes_of, judge, start_of, walking_speed
 from stylephase.evaluation.style import style_space
 from stylephase.features.captures import captured_vectors
@@ -118,8 +118,9 @@ def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
     """
     shutil.rmtree(work, ignore_errors=True)
     usable = keep_usable(report, work / "usable")
-    fitting = fitting_weights(report.skeleton) if report.skeleton else []
-    bundle, styles, store, how = _tuned(fitting[0], usable) if fitting else _trained(usable, work, steps)
+    known = fitting_weights(report.skeleton) if report.skeleton else {}
+    tunable = [path for path, command in known.items() if command == FINETUNE]
+    bundle, styles, store, how = _tuned(tunable[0], usable) if tunable else _trained(usable, work, steps)
     start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
     gains = calibrate(bundle, codes, start, np.array([walking_speed(style) for style in styles]))
     run = roll_out(bundle, codes, start, int(_DRIVEN_SECONDS * FPS), Steady(gains), grounded=True)

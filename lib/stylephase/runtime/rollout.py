@@ -106,10 +106,12 @@ def mixed_code(bundle: Bundle, mixture: dict[str, float]) -> Float[Tensor, " val
     Raises InputError for weights that are no mixture, and for a style that the bundle does not know.
     """
     weights = np.array(list(mixture.values()))
-    if not len(weights) or not np.isfinite(weights).all() or (weights < 0).any() or not weights.sum() > 0:
+    with np.errstate(over="ignore"):
+        whole = weights.sum()
+    if not len(weights) or not np.isfinite(whole) or (weights < 0).any() or not whole > 0:
         raise InputError("style weights should be numbers not below zero, with one above")
     codes = torch.stack([bundle.code(style) for style in mixture])
-    return torch.from_numpy(weights / weights.sum()).float() @ codes
+    return torch.from_numpy(weights / whole).float() @ codes
 
 
 def to_clip(rollout: Rollout, character: int, body: Body, name: str) -> Clip:

@@ -112,7 +112,7 @@ class HoldenWalker:
             if gait not in self.styles:
                 raise InputError(f"no gait {gait!r} in {PFNN_RELEASE}; there are {', '.join(self.styles)}")
         weights = torch.tensor([mixture.get(gait, 0.0) for gait in self.styles])
-        if not torch.isfinite(weights).all() or (weights < 0).any() or not weights.sum() > 0:
+        if not torch.isfinite(weights.sum()) or (weights < 0).any() or not weights.sum() > 0:
             raise InputError("style weights should be numbers not below zero, with one above")
         return weights / weights.sum()
 

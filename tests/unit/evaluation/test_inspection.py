@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tiny_adapters as adapters
 import tiny_walker as tiny
 
 from stylephase.evaluation.inspection import HEADS, Inspection, fitting_weights, inspect_clip, inspect_files, rows_of
@@ -141,5 +142,7 @@ def test_weights_are_offered_to_the_skeleton_that_they_know_if_they_can_learn(tm
     save_bundle(tmp_path / "whole", tiny.bundle())
     save_bundle(tmp_path / "to-run", tiny.bundle(), to_run=True)
     save_bundle(tmp_path / "no-style-network", tiny.of_model("lpn-onehot"))
-    assert [path.name for path in fitting_weights(ahead.skeleton, tmp_path)] == ["whole"]
-    assert fitting_weights(named(ahead, "mixamo").skeleton, tmp_path) == []
+    save_bundle(tmp_path / "adapters", adapters.base(), to_run=True)
+    found = fitting_weights(ahead.skeleton, tmp_path)
+    assert {path.name: command for path, command in found.items()} == {"adapters": "fewshot", "whole": "finetune"}
+    assert fitting_weights(named(ahead, "mixamo").skeleton, tmp_path) == {}
