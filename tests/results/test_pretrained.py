@@ -10,6 +10,7 @@ from stylephase.features.layout import FPS
 from stylephase.models.bundle import load_bundle
 from stylephase.models.card import CARD
 from stylephase.runtime.calibration import speed_of, warm_start
+from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out
 
@@ -30,9 +31,10 @@ def test_all_together_stay_small_and_each_has_a_card_with_its_licence(root):
 def test_every_style_walks_on_at_a_walking_speed_and_keeps_its_height(root):
     for folder in folders(root):
         bundle = load_bundle(folder)
-        codes, gain = torch.stack([bundle.code(style) for style in bundle.styles]), np.full(len(bundle.styles), 3.0)
-        run = roll_out(bundle, codes, warm_start(bundle, codes, gain), int(5 * FPS), Steady(gain))
-        speeds = [speed_of(run.root_positions[:, k]) for k in range(len(codes))]
+        codes, speed = torch.stack([bundle.code(style) for style in bundle.styles]), np.ones(len(bundle.styles))
+        plan = at_pace(Steady(speed), speed)
+        run = roll_out(bundle, codes, warm_start(bundle, codes, speed), int(8 * FPS), plan)
+        speeds = [speed_of(run.root_positions[int(3 * FPS) :, k]) for k in range(len(codes))]
         hips = run.positions[:, :, 0, 1]
         assert run.finite.all() and min(speeds) > 0.3 and max(speeds) < 4.0, dict(
             zip(bundle.styles, speeds, strict=True)

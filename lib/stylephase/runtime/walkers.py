@@ -48,8 +48,8 @@ class Walker(Protocol):
         """The code of a mixture of styles; raises InputError for an unknown style and weights that are no mixture."""
         ...
 
-    def start(self, codes: Codes) -> State:
-        """Characters at the origin that face +z and have begun to walk."""
+    def start(self, codes: Codes, speed: float = 1.0) -> State:
+        """Characters at the origin that face +z and have begun to walk, as nearly as may be at a speed (m/s)."""
         ...
 
     def curves(self, styles: Sequence[str], *, grounded: bool) -> dict[str, SpeedCurve]:
@@ -73,9 +73,9 @@ class NetworkWalker:
         """The weighted sum of the styles' codes."""
         return mixed_code(self.bundle, dict(mixture))
 
-    def start(self, codes: Codes) -> State:
+    def start(self, codes: Codes, speed: float = 1.0) -> State:
         """Some seconds after the mean frame of the data."""
-        return warm_start(self.bundle, codes, np.ones(len(codes)))
+        return warm_start(self.bundle, codes, np.full(len(codes), speed))
 
     def curves(self, styles: Sequence[str], *, grounded: bool) -> dict[str, SpeedCurve]:
         """Measured, which takes about a second a style."""
@@ -116,8 +116,8 @@ class HoldenWalker:
             raise InputError("style weights should be numbers not below zero, with one above")
         return weights / weights.sum()
 
-    def start(self, codes: Codes) -> State:
-        """The mean pose."""
+    def start(self, codes: Codes, speed: float = 1.0) -> State:
+        """The mean pose, whatever the speed."""
         return self._seen(start_pfnn(self.released, len(codes)))
 
     def curves(self, styles: Sequence[str], *, grounded: bool) -> dict[str, SpeedCurve]:
