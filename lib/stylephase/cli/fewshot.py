@@ -13,7 +13,7 @@ from stylephase.errors import InputError
 from stylephase.features.captures import captured_clip, clip_vectors
 from stylephase.features.cycles import cycles_of
 from stylephase.features.layout import FPS
-from stylephase.models.bundle import is_bundle, load_bundle, save_bundle
+from stylephase.models.bundle import check_new_style, load_bundle, save_bundle
 from stylephase.models.zoo import adapter_forms
 from stylephase.training.fewshot import ADAPTERS, FewShot, Lesson, Schedule, add_styles
 
@@ -36,10 +36,7 @@ def fewshot(
     as_json: AsJson = False,
 ) -> None:
     """Learn an adapter for one more style; the network and the styles that it knows stay as they are."""
-    if not style.strip() or set(style) & set(",:"):
-        raise InputError(f"--style is {style!r}; expected a name without commas and colons")
-    if is_bundle(out):
-        raise InputError("holds trained weights; choose another folder", out)
+    check_new_style(style, out)
     how = FewShot(adapter, factors, dropout)
     # Raises for an adapter that there is not.
     _ = how.form

@@ -15,7 +15,7 @@ from stylephase.evaluation.test_error import error_of
 from stylephase.features.captures import captured_vectors
 from stylephase.features.store import StyleVectors, for_gate
 from stylephase.files import write_json
-from stylephase.models.bundle import Bundle, is_bundle, load_bundle, save_bundle
+from stylephase.models.bundle import Bundle, check_new_style, load_bundle, save_bundle
 from stylephase.training.checkpoint import LOG
 from stylephase.training.finetune import FineTuning, fine_tune, with_new_codes
 from stylephase.training.losses import bone_lengths
@@ -32,10 +32,7 @@ def finetune(
     as_json: AsJson = False,
 ) -> None:
     """Fine-tune the style network alone on a new style; the motion network and the codes of other styles stay."""
-    if not style.strip() or set(style) & set(",:"):
-        raise InputError(f"--style is {style!r}; expected a name without commas and colons")
-    if is_bundle(out):
-        raise InputError("holds trained weights; choose another folder", out)
+    check_new_style(style, out)
     weights, files = load_bundle(base), [*bvh, *(more or ())]
     phases, data = (str(weights.about.get(key, "")) for key in ("phases", "data"))
     if not phases:

@@ -37,8 +37,8 @@ from stylephase.runtime.paths import FollowPaths
 from stylephase.runtime.plans import Plan, Steady
 from stylephase.runtime.player import Player
 from stylephase.runtime.rig import rig_of
-from stylephase.runtime.rollout import Rollout, roll_out
-from stylephase.runtime.walkers import NetworkWalker, as_rollout, drive
+from stylephase.runtime.rollout import Rollout, as_rollout, roll_out
+from stylephase.runtime.walkers import NetworkWalker, drive
 
 _CONTACT = 0.5
 # Captures at 30 frames a second have no faster changes, so accelerations are told over this many frames of 60.

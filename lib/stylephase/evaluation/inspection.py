@@ -13,21 +13,23 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.data.catalogue import SHORTEST_TAKE, check_same_skeleton, usable
+from stylephase.data.catalogue import check_same_skeleton
 from stylephase.data.registry import DATA, MIDDLE_CONTACT
 from stylephase.errors import InputError
 from stylephase.evaluation.motion import ALTERNATION, foot_skate, steps_of
 from stylephase.evaluation.phases import antiphase, explained
-from stylephase.features.layout import FPS, GLOBAL
-from stylephase.models.bundle import load_bundle
-from stylephase.models.modulators import Adapters
+from stylephase.features.body import body_from_json
+from stylephase.features.captures import SLOWEST, too_short, too_slow
+from stylephase.features.layout import FPS
+from stylephase.models.bundle import description
+from stylephase.models.zoo import PHASED_ADAPTERS, model
 from stylephase.motion.bvh import read_with_unit
 from stylephase.motion.clip import Clip, Pose, forward_kinematics, resample
 from stylephase.motion.root import root_of
 from stylephase.motion.skeleton import EFFECTOR_NAMES, Skeleton
 from stylephase.phase.local import PhaseVariant, variant
-from stylephase.phase.source import principal_source
-from stylephase.phase.take import TakePhases, movement_of, take_phases
+from stylephase.phase.source import Movement, principal_source, sourcing
+from stylephase.phase.take import TakePhases, movement_of, movement_phases
 
 PRETRAINED = DATA / "pretrained"
 # The commands by which weights learn a new style.
@@ -35,8 +37,8 @@ FINETUNE, FEWSHOT = "finetune", "fewshot"
 UNITS = {1.0: "metre", 0.01: "centimetre", 0.001: "millimetre", 0.0254: "inch", 0.0254 / 0.45: "CMU's (2.54 cm / 0.45)"}
 # Legs of an adult (m); a guess of the unit that gives others is doubtful.
 _LEGS = (0.6, 1.25)
-# The root of somebody who walks gets on faster than this (m/s), and of somebody who runs is often in the air.
-_SLOWEST, _FLIGHT, _RUNNING = 0.1, 0.1, 1.5
+# Somebody who runs is often in the air, and faster than this (m/s).
+_FLIGHT, _RUNNING = 0.1, 1.5
 # No joint of a person goes faster than this (m/s).
 _FASTEST = 20.0
 # Hips are above the feet by this share of the leg, along the axis that is up.
@@ -143,14 +145,15 @@ def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> dict[Path,
     """
     found = {}
     for path in sorted(path.parent for path in folder.glob("*/model.json")):
-        bundle = load_bundle(path)
+        told = description(path)
         try:
-            check_same_skeleton(path, skeleton, bundle.body.skeleton)
+            check_same_skeleton(path, skeleton, body_from_json(told["body"]).skeleton)
         except InputError:
             continue
-        if bundle.makes_codes:
+        modulator = model(told["model"]).modulator
+        if modulator == "film" and told.get("generator", True):
             found[path] = FINETUNE
-        elif isinstance(bundle.network.synthesis.modulator, Adapters) and bundle.layout.gate == GLOBAL:
+        elif modulator in PHASED_ADAPTERS:
             found[path] = FEWSHOT
     return found
 
@@ -158,7 +161,8 @@ def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> dict[Path,
 def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVariant | None = None) -> Inspection:
     """Inspect one take that could be read, from a file with this unit of length (m)."""
     skeleton, stretch = clip.skeleton, unbroken(clip)
-    at_60, legs = resample(clip.frames(*stretch), FPS), _leg_length(skeleton)
+    at_60 = resample(clip.frames(*stretch), FPS)
+    pose, legs = forward_kinematics(at_60), skeleton.length_to(skeleton.roles.toes[0])
     seen = Inspection(
         path,
         style,
@@ -172,18 +176,14 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVari
             name: skeleton.names[joint] for name, joint in zip(EFFECTOR_NAMES, skeleton.roles.effectors, strict=True)
         },
     )
-    faults = [*_length_faults(at_60), *_upright_faults(forward_kinematics(at_60), skeleton, legs)]
+    faults = tuple(fault for fault in (too_short(at_60), _not_upright(pose, skeleton, legs)) if fault is not None)
     if faults:
-        return replace(seen, faults=tuple(faults))
-    phases = take_phases(at_60, MIDDLE_CONTACT, how or variant("adaptive"))
-    pose = forward_kinematics(at_60)
-    walk = walk_of(pose, skeleton, phases)
-    if walk.speed <= _SLOWEST:
-        faults.append(f"nobody walks in it: it gets on by {walk.speed:.2f} m/s; expected more than {_SLOWEST:g}")
-    clarity = clarity_of(at_60, phases)
-    seen = replace(
-        seen, walk=walk, clarity=clarity, apart=float(np.median(antiphase(phases.local.phase))), faults=tuple(faults)
-    )
+        return replace(seen, faults=faults)
+    movement = movement_of(pose, skeleton, FPS, MIDDLE_CONTACT)
+    phases = movement_phases(movement, sourcing([movement]), how or variant("adaptive"))
+    walk, apart = walk_of(pose, skeleton, phases), float(np.median(antiphase(phases.local.phase)))
+    fault = too_slow(walk.speed)
+    seen = replace(seen, walk=walk, clarity=clarity_of(movement, phases), apart=apart, faults=(fault,) if fault else ())
     return replace(seen, remarks=tuple(_remarks(seen)))
 
 
@@ -218,18 +218,18 @@ def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
         steps.alternation,
         steps.cycle,
         float(np.percentile(toes[..., 1].min(axis=1), 3)),
-        float((speeds < _SLOWEST).mean()),
+        float((speeds < SLOWEST).mean()),
         float((_above_the_feet(pose, skeleton)[:, 1] < _UPRIGHT).mean()),
     )
 
 
-def clarity_of(clip: Clip, phases: TakePhases) -> dict[str, float]:
+def clarity_of(movement: Movement, phases: TakePhases) -> dict[str, float]:
     """For each effector the share of its movement along its main direction that a sinusoid of its phase explains.
 
     Taken in windows of two seconds, a few cycles; the median of them counts, so that a stop does not.
     """
-    places = movement_of(forward_kinematics(clip), clip.skeleton, clip.fps, MIDDLE_CONTACT).places
-    windows = np.array_split(np.arange(len(clip)), max(1, round(len(clip) / (_WINDOW * FPS))))
+    places = movement.places
+    windows = np.array_split(np.arange(len(places)), max(1, round(len(places) / (_WINDOW * movement.fps))))
     clear = {}
     for k, name in enumerate(EFFECTOR_NAMES):
         source, phase = principal_source(places[:, k], phases.sourcing.directions[k]), phases.local.phase[:, k]
@@ -238,39 +238,29 @@ def clarity_of(clip: Clip, phases: TakePhases) -> dict[str, float]:
 
 
 def _gait(speed: float, towards: float, flight: float) -> str:
-    if speed <= _SLOWEST:
+    if speed <= SLOWEST:
         return "stands"
     verb = "runs" if flight > _FLIGHT and speed > _RUNNING else "walks"
     way = "ahead" if abs(towards) < 45 else "backwards" if abs(towards) > 135 else "sideways"
     return f"{verb} {way}"
 
 
-def _leg_length(skeleton: Skeleton) -> float:
-    return float(sum(np.linalg.norm(skeleton.offsets[j]) for j in skeleton.chain(skeleton.roles.toes[0])[1:]))
-
-
-def _length_faults(clip: Clip) -> list[str]:
-    if usable(len(clip)):
-        return []
-    return [f"lasts {len(clip)} frames at {FPS:g} a second; a take needs {SHORTEST_TAKE}"]
-
-
-def _upright_faults(pose: Pose, skeleton: Skeleton, legs: float) -> list[str]:
-    """A file whose up axis is another, or in which nobody stands upright."""
+def _not_upright(pose: Pose, skeleton: Skeleton, legs: float) -> str | None:
+    """Why a file with another axis up, or in which nobody stands upright, is of no use, or None."""
     above: Float[ndarray, "3"] = np.median(_above_the_feet(pose, skeleton), axis=0)
     if above[1] > _UPRIGHT:
-        return []
+        return None
     axis = int(np.abs(above).argmax())
     if axis != 1 and abs(above[axis]) > _UPRIGHT:
         sign = "" if above[axis] > 0 else "-"
-        return [f"its up axis seems to be {sign}{_AXES[axis]}; export it with y up"]
-    return [f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"]
+        return f"its up axis seems to be {sign}{_AXES[axis]}; export it with y up"
+    return f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"
 
 
 def _above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]:
     """The hips seen from between the toes, in lengths of a leg."""
     toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
-    return (pose.positions[:, 0] - toes) / _leg_length(skeleton)
+    return (pose.positions[:, 0] - toes) / skeleton.length_to(skeleton.roles.toes[0])
 
 
 def _remarks(seen: Inspection) -> list[str]:

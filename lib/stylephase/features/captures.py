@@ -22,7 +22,7 @@ from stylephase.phase.source import sourcing
 from stylephase.phase.take import movement_of, movement_phases
 
 # The root of someone who walks gets on faster than this (m/s); the slowest takes of the data sets do at twice that.
-_SLOWEST = 0.1
+SLOWEST = 0.1
 
 
 def captured_vectors(paths: Sequence[Path], style: str, body: Body, phases: str, data: str) -> StyleVectors:
@@ -77,9 +77,20 @@ def _source(data: str) -> Dataset:
 
 
 def _check_walk(path: Path, clip: Clip) -> None:
-    if not usable(len(clip)):
-        raise InputError(f"lasts {len(clip)} frames at {FPS:g} a second; a take needs {SHORTEST_TAKE}", path)
-    root, half = root_of(forward_kinematics(clip), clip.skeleton).positions, int(FPS / 2)
-    speed = float(np.linalg.norm(root[half:] - root[:-half], axis=1).mean() * FPS / half)
-    if not speed > _SLOWEST:
-        raise InputError(f"nobody walks in it: it gets on by {speed:.2f} m/s; expected more than {_SLOWEST:g}", path)
+    if (reason := too_short(clip)) is None:
+        root, half = root_of(forward_kinematics(clip), clip.skeleton).positions, int(FPS / 2)
+        reason = too_slow(float(np.linalg.norm(root[half:] - root[:-half], axis=1).mean() * FPS / half))
+    if reason is not None:
+        raise InputError(reason, path)
+
+
+def too_short(clip: Clip) -> str | None:
+    """Why a clip at 60 frames a second is too short to learn from, or None."""
+    return None if usable(len(clip)) else f"lasts {len(clip)} frames at {FPS:g} a second; a take needs {SHORTEST_TAKE}"
+
+
+def too_slow(speed: float) -> str | None:
+    """Why a take that gets on at this speed (m/s) is no walk, or None."""
+    if speed > SLOWEST:
+        return None
+    return f"nobody walks in it: it gets on by {speed:.2f} m/s; expected more than {SLOWEST:g}"

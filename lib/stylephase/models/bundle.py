@@ -106,6 +106,14 @@ def is_bundle(folder: Path) -> bool:
     return (folder / _MODEL).exists()
 
 
+def check_new_style(style: str, out: Path) -> None:
+    """Raise InputError for a style's name that mixtures cannot tell, and for a folder that holds weights already."""
+    if not style.strip() or set(style) & set(",:"):
+        raise InputError(f"--style is {style!r}; expected a name without commas and colons")
+    if is_bundle(out):
+        raise InputError("holds trained weights; choose another folder", out)
+
+
 def description(folder: Path) -> dict[str, Any]:
     """Name, settings, styles and origin of a trained model, without its weights. Raises InputError as `load_bundle`."""
     described = read_json(folder / _MODEL)

@@ -47,6 +47,8 @@ PAPER_2018 = {
     "cp-pfnn": Model("pfnn", "none", decomposed=True),
 }
 MODELS = PAPER_2022 | PAPER_2018
+# Modulators that are residual adapters beside a PFNN, whose weights depend on the phase.
+PHASED_ADAPTERS = ("full", "diag", "cp", "cp-one-bias")
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def _modulator(kind: str, styles: int, settings: NetworkSettings) -> Modulator:
 def adapter_forms(name: str, styles: int, settings: NetworkSettings) -> tuple[str, ...]:
     """The form of each style's adapter; raises InputError where the model has no adapters that depend on the phase."""
     kind = model(name).modulator
-    if kind not in ("full", "diag", "cp", "cp-one-bias"):
+    if kind not in PHASED_ADAPTERS:
         raise InputError(f"{name} has no residual adapters beside a PFNN; pfnn-cp, pfnn-diag and pfnn-full have")
     return settings.adapters or (kind,) * styles
 

@@ -297,7 +297,7 @@ def _rotations(nodes: list[_Node], values: Float[ndarray, "frames channels"]) ->
 
 def guess_unit(skeleton: Skeleton) -> float:
     """Metres per unit of length: the usual unit under which the left leg comes closest to an adult's."""
-    length = sum(np.linalg.norm(skeleton.offsets[j]) for j in skeleton.chain(skeleton.roles.toes[0])[1:])
+    length = skeleton.length_to(skeleton.roles.toes[0])
     if length < 1e-9:
         raise InputError("the legs have no length: the unit cannot be guessed")
     return min(_UNITS, key=lambda unit: abs(np.log(length * unit / _LEG_LENGTH)))

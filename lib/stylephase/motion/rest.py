@@ -34,8 +34,7 @@ def rest_axes(skeleton: Skeleton, clips: list[Clip]) -> Float[ndarray, "joints 3
 def stands_at_zero(skeleton: Skeleton) -> bool:
     """Whether the pose without rotations has both legs stretched below the hips."""
     rest = zero_pose(skeleton) @ hips_axes(skeleton)
-    lengths = [sum(np.linalg.norm(skeleton.offsets[j]) for j in skeleton.chain(toe)[1:]) for toe in skeleton.roles.toes]
-    return all(rest[toe, 1] < -0.6 * length for toe, length in zip(skeleton.roles.toes, lengths, strict=True))
+    return all(rest[toe, 1] < -0.6 * skeleton.length_to(toe) for toe in skeleton.roles.toes)
 
 
 def _mean_pose(clips: list[Clip]) -> Float[ndarray, "joints 3 3"]:

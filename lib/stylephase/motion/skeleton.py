@@ -67,6 +67,10 @@ class Skeleton:
             path.insert(0, self.parents[path[0]])
         return path
 
+    def length_to(self, joint: int) -> float:
+        """Length of the bones from the root to `joint`, one after the other."""
+        return float(sum(np.linalg.norm(self.offsets[j]) for j in self.chain(joint)[1:]))
+
     @cached_property
     def roles(self) -> "Roles":
         """The joints that play a part in the methods, found by name and tree; raises InputError if one is missing."""

@@ -26,10 +26,9 @@ from stylephase.runtime.keyboard import KeySettings, at_rest, steer_by_keys
 from stylephase.runtime.mixtures import CORNERS
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.player import Player
-from stylephase.runtime.rollout import roll_out
+from stylephase.runtime.rollout import as_rollout, roll_out
 from stylephase.runtime.viewer.frames import frame_numbers
 from stylephase.runtime.viewer.widget import RECORDED_FPS
-from stylephase.runtime.walkers import as_rollout
 from stylephase.training.codes import clip_codes
 from stylephase.training.sampler import Scaling
 

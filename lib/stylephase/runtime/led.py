@@ -12,7 +12,7 @@ from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle
 from stylephase.motion.root import Root
 from stylephase.runtime.controller import Controller, ControllerSettings, State
-from stylephase.runtime.rollout import Rollout
+from stylephase.runtime.rollout import Rollout, as_rollout
 from stylephase.runtime.trajectory import FUTURE, PAST, Steering, Trajectory
 
 # With these the steering has no weight: the future is the path that is given.
@@ -34,15 +34,7 @@ def roll_out_led(
     for frame in range(len(paths[0])):
         state = controller.step(replace(state, path=_led(state.path, places, facings, frame)), nothing)
         states.append(state)
-    roots = [s.path.root for s in states]
-    return Rollout(
-        np.stack([s.positions for s in states]),
-        np.stack([s.rotations for s in states]),
-        np.stack([root.positions for root in roots]),
-        np.unwrap(np.stack([root.angles for root in roots]), axis=0),
-        np.stack([s.contacts for s in states]),
-        np.stack([s.phases for s in states]),
-    )
+    return as_rollout(states)
 
 
 def _led(

@@ -1,6 +1,6 @@
 """Rollouts: a controller run for some seconds under given steering, and the motion that comes out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,6 +73,11 @@ def roll_out(
             state, slide = ground(rig, before, state, slide)
         states.append(state)
         tick(1)
+    return as_rollout(states)
+
+
+def as_rollout(states: Sequence[State]) -> Rollout:
+    """States one after the other as a rollout."""
     roots = [s.path.root for s in states]
     return Rollout(
         np.stack([s.positions for s in states]),

@@ -23,7 +23,7 @@ from stylephase.runtime.controller import Controller, ControllerSettings, Predic
 from stylephase.runtime.finishing import Finisher, Finishing
 from stylephase.runtime.pfnn import PfnnState, start_pfnn, step_pfnn
 from stylephase.runtime.plans import Plan
-from stylephase.runtime.rollout import Rollout, Tick, mixed_code, quiet
+from stylephase.runtime.rollout import Rollout, Tick, as_rollout, mixed_code, quiet
 from stylephase.runtime.speeds import SpeedCurve, speed_curves
 from stylephase.runtime.trajectory import Steering
 
@@ -170,11 +170,3 @@ def drive(
         shown.append(seen)
         tick(1)
     return as_rollout(shown)
-
-
-def as_rollout(states: Sequence[State]) -> Rollout:
-    """States one after the other as a rollout."""
-    roots = [s.path.root for s in states]
-    arrays = [np.stack([getattr(s, name) for s in states]) for name in ("positions", "rotations", "contacts", "phases")]
-    places, angles = np.stack([r.positions for r in roots]), np.unwrap(np.stack([r.angles for r in roots]), axis=0)
-    return Rollout(arrays[0], arrays[1], places, angles, arrays[2], arrays[3])
