@@ -39,7 +39,6 @@ from stylephase.data.catalogue import load_catalogue
 from stylephase.evaluation.bench.models import frame_times
 from stylephase.evaluation.budget.paper_2018 import shares, table_1
 from stylephase.evaluation.budget.rows import parameters
-from stylephase.evaluation.cycling import changed_by_step
 from stylephase.features.store import VectorStore
 from stylephase.models.adapters import CpLayer
 from stylephase.models.experts import ExpertLayer
@@ -217,39 +216,21 @@ table(
 )
 
 # %% [markdown]
-# ## Eq. 3 and 5, Fig. 5: training
+# ## Eq. 3 and 5: training
 #
 # > The loss is the error plus L1 terms on what the styles share and on each style's own ([M18] Eq. 3), over all frames
-# > of the eight styles (Eq. 5). A minibatch holds one style, and the styles take turns (Section 6, Fig. 5).
+# > of the eight styles (Eq. 5).
 #
-# The very loop that trains, on eight styles of the walker, whatever data set this run names. Which weights differ after
-# each of its steps? White is untouched. The verdicts stand in notebook 12, with the base that was trained so.
+# Eight styles of the walker, whatever data set this run names. Eq. 3: the slope of its L1 terms at each weight is the
+# sign of the weight times 0.01, over the number of weights of that kind (a mean, as in the release, where the paper
+# prints the norm). Eq. 5: the gradient of the error over frames of all styles at once is the mean of the gradients
+# style by style, which the steps take one after the other (Fig. 5, in notebook 12).
 
 # %%
 catalogue = load_catalogue("synthetic", load_catalogue("synthetic").styles[:8])
 SMALL = NetworkSettings(units=32, input_rate=0.0, hidden_rate=0.0, gating_rate=0.0)
 how = replace(preset_for("quick", "pfnn-cp"), network=SMALL, mixed=False)
 trainer = Trainer(VectorStore(catalogue, how.phases), "pfnn-cp", how, "quick", 0)
-turns = changed_by_step(trainer, 24)
-with plots.style():
-    axes = Figure(figsize=(7.2, 2.6)).subplots()
-    axes.imshow(turns.T, aspect="auto", cmap="Greys", vmin=0, vmax=1.6)
-    axes.set(xlabel="step", yticks=range(9), yticklabels=["shared", *catalogue.styles])
-alt = "Shared weights change at every step, of the adapters one at a time, in the order of the styles."
-plots.save_figure(axes.figure, figures / "11_residual_adapters-fig5.png", alt=alt)
-Image(figures / "11_residual_adapters-fig5.png", alt=alt)
-
-# %%
-in_turn = np.eye(8, dtype=bool)[np.arange(24) % 8]
-cycling = bool(turns[:, 0].all() and np.array_equal(turns[:, 1:], in_turn))
-Markdown(f"Shared weights at every step, adapters in turn: {'yes' if cycling else 'no'}.")
-
-# %% [markdown]
-# Eq. 3: the slope of its L1 terms at each weight is the sign of the weight times 0.01, over the number of weights of
-# that kind (a mean, as in the release, where the paper prints the norm). Eq. 5: the gradient of the error over frames
-# of all styles at once is the mean of the gradients style by style, which the steps take one after the other.
-
-# %%
 network = trainer.network.synthesis.double().eval()
 shared, own = shared_weights(network), style_weights(network, 3)
 
@@ -271,7 +252,7 @@ def gradient(rows: slice) -> np.ndarray:
 whole = gradient(slice(0, 320))
 parts = np.stack([gradient(slice(first, first + 40)) for first in range(0, 320, 40)])
 sum_off, apart = (float(np.abs(g - whole).max() / np.abs(whole).max()) for g in (parts.mean(axis=0), parts[0]))
-assert cycling and max(*l1_off.values(), sum_off) < 1e-9 < apart
+assert max(*l1_off.values(), sum_off) < 1e-9 < apart
 table(
     ("check", "off"),
     *((f"slope of the L1 term, {kind}", f"{off:.1e}") for kind, off in l1_off.items()),
@@ -340,9 +321,6 @@ table(
 )
 
 # %%
-recorder.number(
-    "steps of the training loop that changed one adapter, in turn", int((turns[:, 1:] & in_turn).sum()), "of 24"
-)
 recorder.number("gradient of all styles against the mean over styles", sum_off, "relative")
 for name, (mean, _) in times.items():
     recorder.number(f"time of a frame, {name}", mean, "ms")
