@@ -6,14 +6,14 @@
 # **stylephase** rebuilds two papers on the way people walk:
 #
 # * [M18] Mason, Starke, Zhang, Bilen, Komura: *Few-shot Learning of Homogeneous Human Locomotion Styles*, 2018. A
-#   network whose weights turn with the phase of the step learns a new style from a few seconds of motion, through a
-#   small residual adapter.
+#   network whose weights turn with the phase of the step learns a new style from seconds of motion, through a small
+#   residual adapter.
 # * [M22] Mason, Starke, Komura: *Real-Time Style Modelling of Human Locomotion via Feature-Wise Transformations and
 #   Local Motion Phases*, 2022. A hundred styles in one network: each hand and foot has a phase of its own, and a clip
 #   of motion scales and shifts the hidden layers.
 #
-# Every claim, table row and figure of both is listed in `data/claims.toml` with the notebook that tests it. This
-# notebook reads what the others recorded in `figures/`.
+# `data/claims.toml` lists every claim, table row and figure with the notebook that tests it. This notebook reads what
+# the others recorded.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run whose results are shown
@@ -41,7 +41,7 @@ others = [record for record in read_records(results, catalogue) if record.notebo
 # %% [markdown]
 # ## What this notebook adds
 #
-# Two results belong here: how long it takes on two cores to run everything, and to check everything.
+# How long it takes on two cores to run everything, and to check everything.
 
 # %%
 params = {"figures_folder": figures_folder, "reproduce_minutes": reproduce_minutes, "test_minutes": test_minutes}
@@ -58,14 +58,14 @@ records = [recorder.record, *others]
 #
 # | verdict | meaning |
 # |---|---|
-# | reproduced | ours agrees with the paper, within bounds written down beforehand, on the data the paper used |
+# | reproduced | ours agrees, within bounds written down beforehand, on the data of the paper |
 # | reproduced on other data | ours agrees, but the data are others |
 # | differs | ours does not agree; the reason stands beside it |
-# | not testable here | we cannot tell; what it would take stands beside it |
+# | not testable here | what it would take stands beside it |
 # | open | not tested yet |
 #
-# A verdict on a number is computed from bounds in `data/claims.toml`. A statement without a number is judged in its
-# notebook, where the evidence is shown.
+# A number is judged by bounds in `data/claims.toml`, a statement without a number in its notebook, where the evidence
+# is shown.
 
 # %% [markdown]
 # ## The balance
@@ -82,7 +82,7 @@ assert sum(sum(row.values()) for row in table.values()) == len(catalogue.claims)
 assert all(claim.notebook in catalogue.notebooks for claim in catalogue.claims.values())
 
 # %% [markdown]
-# What to look for in the picture: the pale part is open; orange asks for its reason, in the list below.
+# What to look for: the pale part is open; orange asks for its reason, in the list below.
 
 # %%
 COLOURS = dict(
