@@ -3,8 +3,8 @@
 #
 # Paper: [M22], Section 4.1 and Figure 4. Time: 2 minutes on the synthetic walker, 5 minutes on `bandai-namco`.
 #
-# A phase says how far a movement has come in its cycle. The network is told four of them, one for each hand and foot,
-# and they alone decide which of its experts speak. What is a phase read from, how, and how far is it from the truth?
+# A phase says how far a movement has come in its cycle. The network is told four, one for each hand and foot, and they
+# alone decide which of its experts speak. What is a phase read from, how, and how far is it from the truth?
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set to look at
@@ -74,9 +74,10 @@ recorder = Recorder(
 # %% [markdown]
 # ## A walker whose phases are known
 #
-# Nobody knows the true phase of a person. The phases of the synthetic walker are part of its formula: a foot's is 0.25
-# in the middle of its contact, a hand's where it is furthest forward. Each style of the walker goes straight ahead for
-# eight seconds, and its phases are read as if it were a recorded person.
+# Nobody knows the true phase of a person. The synthetic walker's are part of its formula: a foot's is 0.25 in the
+# middle of its contact, a hand's where it is furthest forward. Each of its styles goes straight ahead for eight seconds
+# and is read as if it were a recorded person.
+
 
 # %%
 def straight(name: str, seconds: float = 8.0):
@@ -99,9 +100,10 @@ INSIDE = slice(60, -60)
 #
 # > Many styles have no global phase: their joints move with timings and speeds of their own ([M22] 4.1.1).
 #
-# The global phase counts steps: 0 where the right foot comes down, a half cycle where the left one does. If one phase
-# is enough, it tells how far forward a hand is. In the plain walk it does; the arms of `OffbeatArms` keep a beat of
-# their own.
+# The global phase is 0 where the right foot comes down and a half cycle where the left one does. If one phase is
+# enough, it tells how far forward a hand is. In the plain walk it does; the arms of `OffbeatArms` keep a beat of their
+# own.
+
 
 # %%
 def swing(name: str) -> np.ndarray:
@@ -142,9 +144,9 @@ table(
 # > A foot is in contact while a ball of 1 cm at its bone meets the floor and the bone is slower than 0.15 m/s; both
 # > numbers may be changed for a motion ([M22] 4.1.2). The source function is 1 in contact, else 0.
 #
-# `foot_contacts` measures height from the take's own floor, and each data set has a rule of its own: a recorded toe
-# rolls and trembles, a running one hardly stops, the walker's rests exactly. A toe has to be slow on the way to a frame
-# and on the way from it; looking only back, as the authors did, ends every contact late.
+# Height counts from the take's own floor, and each data set has a rule of its own, since recorded toes roll and tremble
+# and running ones hardly stop. A toe has to be slow on the way to a frame and on the way from it; looking only back, as
+# the authors did, ends every contact late.
 
 # %%
 rules = {name: entry.contact for name, entry in datasets().items()}
@@ -177,8 +179,8 @@ Markdown(
 # > the first principal component. The places are not divided by their spread. The component is turned to point forward
 # > ([M22] 4.1.3).
 #
-# Three styles of this data set, with the path of each hand against the hips, the principal direction as an arrow and
-# the plane across it. A foot that never touches the floor is read, and drawn, in the same way.
+# Three styles of this data set: the path of each hand against the hips, the principal direction as an arrow, and the
+# plane across it. A foot that never touches the floor is read in the same way.
 
 # %%
 THREE = {
@@ -232,9 +234,10 @@ side_by_side(drawn, "directions", three)
 # %% [markdown]
 # What to look for: the arrow lies along the path and points forward; where the hands hardly move it is short.
 #
-# Checks, on the walker. Dividing each axis by its spread first would turn the direction. And the arrow's sign matters:
-# arms that swing against each other are half a cycle apart, those of a hopper swing together; with one arrow turned
-# round, each would pass for the other.
+# Checks, on the walker. Dividing each axis by its spread first would turn the direction. And the sign matters: arms
+# that swing against each other are half a cycle apart, those of a hopper swing together; with one arrow turned round,
+# each would pass for the other.
+
 
 # %%
 def hands_apart(name: str, signs: tuple[int, int]) -> float:
@@ -268,8 +271,7 @@ table(
 # > and offset around each frame; its angle at the frame is the phase ([M22] 4.1.4).
 #
 # For a given frequency the sinusoid is linear in its other three numbers, so `fit_sinusoids` searches the frequency
-# alone; the authors let an evolutionary search find all four. Left: a foot of the plain walk. Right: three of its
-# windows.
+# alone. Left: a foot of the plain walk. Right: three of its windows.
 
 # %%
 take = read["release"]["Plain"]
@@ -306,8 +308,8 @@ figure(
 # > over a window of a second ([M22] Eq. 1).
 #
 # The paper prints a mean over a second, the authors' code takes the largest speed within one period of the fit:
-# `PhaseVariant` has both. Check: the feature is what Eq. 1 says, and a hand that hardly moves has hardly any. Only this
-# factor keeps a still hand quiet, since the normalisation blows its trembling up to full size.
+# `PhaseVariant` has both. Check: the feature is what Eq. 1 says. Only this factor keeps a still hand quiet, since the
+# normalisation blows its trembling up to full size.
 
 # %%
 local = take.local
@@ -331,6 +333,7 @@ table(
 # > which all is clear, one with quiet hands, one that hops on one foot ([M22] Fig. 4).
 #
 # The pink line is the frame drawn above.
+
 
 # %%
 def fig4(pair: str) -> Image:
@@ -360,12 +363,12 @@ fig4(three[1])
 fig4(three[2])
 
 # %% [markdown]
-# What to look for: a foot's phase runs through 0.25 in the middle of each green bar, the two feet take turns, and where
-# a limb is quiet its line fades.
+# What to look for: a foot's phase runs through 0.25 in the middle of each green bar, the feet take turns, and where a
+# limb is quiet its line fades.
 
 # %% [markdown]
-# The kinds of the paper's figure, as the walker does them: arms with a beat of their own, hands in pockets, a hop on
-# one foot, whose raised foot has an arrow too.
+# The kinds of the paper's figure, as the walker does them: offbeat arms, hands in pockets, a hop on one foot.
+
 
 # %%
 def the_walkers_three() -> Image | Markdown:
@@ -384,7 +387,7 @@ the_walkers_three()
 #
 # > Left Hop takes the contact-free method for the foot in the air ([M22] Fig. 4).
 #
-# Read from contacts, the raised foot of the hopper has no phase at all. A hybrid takes contacts only from feet that
+# Read from contacts, the raised foot of the hopper has no phase at all. The hybrid takes contacts only from feet that
 # touch the floor and leave it again.
 
 # %%
@@ -424,7 +427,7 @@ hop_picture()
 # ## Against the truth
 #
 # Circular distance from the walker's own phases, in cycles, as median / ninth decile over the frames, for the variant
-# `adaptive`, explained two sections on. A sixtieth of a cycle is about one frame of a walk.
+# `adaptive`, explained below. A sixtieth of a cycle is about one frame.
 
 # %%
 errors = {
@@ -447,11 +450,11 @@ table(
 )
 
 # %% [markdown]
-# What to look for: all within a frame or two, slow styles like fast ones. The sleepwalker's hanging arms are moved more
-# by the trunk than by the shoulder, so what is seen of them is not quite what they were told.
+# What to look for: all within a frame or two, slow styles like fast ones.
 #
-# The same with changes of speed and curves, in takes of twelve seconds made with another seed. Beside it the null
-# model: a phase that knows the take's cycle and the best shift, but nothing of its changes.
+# The same with changes of speed and curves, in takes of twelve seconds from another seed. The null model is a phase
+# that knows the take's cycle and the best shift, but nothing of its changes.
+
 
 # %%
 def varied(name: str, seed: int = 1):
@@ -485,9 +488,9 @@ Markdown(
 #
 # > The source function handles stochastic motion poorly ([M22] 6).
 #
-# How much of the plain walker's hands does a sinusoid of their own phase still explain once a share of their movement
-# is slow random movement of the same size? Five seeds each. Below them `GlancingBack`, whose looks over the shoulder
-# come at random, with more of them and with none.
+# How much of the plain walker's hands does a sinusoid of their own phase explain once a share of their movement is slow
+# random movement of the same size? Five seeds each. Below them `GlancingBack`, whose looks over the shoulder come at
+# random, with more of them and with none.
 
 # %%
 SEEDS, adaptive = range(5), variant("adaptive")
@@ -515,11 +518,12 @@ table(
 # %% [markdown]
 # ## How long a window
 #
-# The paper and the release normalise over one second. A foot of a slow walk stands longer than that: the window holds
-# nothing but ones, the z-score of a plateau is zero, and the phase jumps. So `adaptive` lets the window follow the
-# cycle: the tempo of each source is found first (`phase/tempo.py`), the source is played so that every cycle lasts one
-# second, and the release's recipe is applied to that, with the sinusoid fitted over a whole cycle. Each dot is a style;
-# the height is the share of frames in which a foot's phase is wrong by more than 0.15 cycles.
+# The paper and the release normalise over one second. A foot of a slow walk stands longer than that: the window then
+# holds nothing but ones, their z-score is zero, and the phase jumps. So `adaptive` first finds the tempo of each
+# source, plays it so that every cycle lasts one second, and applies the release's recipe to that, with the sinusoid
+# fitted over a whole cycle. Each dot is a style; the height is the share of frames in which a foot's phase is wrong by
+# more than 0.15 cycles.
+
 
 # %%
 def wrong_share(how: str, name: str) -> float:
@@ -567,8 +571,9 @@ table(
 # %% [markdown]
 # ## On this data set
 #
-# Of recorded people no truth is known, but three things should hold in a walk: the feet are half a cycle apart, steps
-# alternate, phases run forwards. One forward walk of each style, or its first take where no walk is named.
+# Of recorded people no truth is known, but in a walk the feet are half a cycle apart, steps alternate, and phases run
+# forwards. One forward walk of each style, or its first take where none is named a walk.
+
 
 # %%
 def first_walk(style: str):
@@ -612,8 +617,8 @@ Markdown(
 
 # %% [markdown]
 # The large distances belong to styles whose feet are not half a cycle apart. How near to a sinusoid is what the hands
-# do? Share of their movement along the principal direction that a sinusoid of their own phase explains, over the
-# styles:
+# do? Share of their movement along the principal direction that a sinusoid of their own phase explains:
+
 
 # %%
 def hand_shares(style: str) -> list[float]:
@@ -632,10 +637,11 @@ Markdown(f"median {near:.2f}, a quarter of the hands below {np.percentile(shares
 # ## What the authors' network says
 #
 # The authors' labels were never released, but their network was, and it predicts the phases of the next frame. It walks
-# straight ahead in every style that walks, and our phases are read from where its hands and feet go; or it is shown
-# recorded frames of `Neutral`, only its phases being its own. The network's phases count where their magnitude is above
-# 0.5 m/s. Nothing was chosen on the generated styles reported here; the contact rule of recorded 100STYLE was chosen
-# with the two recordings in view. Each style has four pairs, one for each hand and foot.
+# straight ahead in every style that walks, and our phases are read from its hands and feet; or it is shown recorded
+# frames of `Neutral`, only its phases being its own. They count where their magnitude is above 0.5 m/s. Nothing was
+# chosen on the generated styles reported here; the contact rule of recorded 100STYLE was chosen with the two recordings
+# in view. A pair is one hand or foot of one style.
+
 
 # %%
 def at_hand(source) -> bool:
@@ -676,9 +682,9 @@ table(
 )
 
 # %% [markdown]
-# Check: phases of another style, of the next effector or of a clock that beats once a second do not pass. A clock that
-# beats at the network's own rate does: a steady walk is hardly more than its rate and its beginning, so such walks can
-# tell no more.
+# Check: phases of another style, of the next effector or of a clock that beats once a second do not pass. A clock at
+# the network's own rate does: a steady walk is hardly more than its rate and its beginning, so such walks can tell no
+# more.
 
 # %%
 if asked:
@@ -723,6 +729,7 @@ oracle_picture()
 # %% [markdown]
 # What to look for: most pairs lie below the line. The rest have reasons, told from the phases themselves:
 
+
 # %%
 def outliers(rows) -> list[tuple]:
     far = [(row, k) for row in rows for k in range(4) if row.medians[k] > 0.08]
@@ -737,13 +744,13 @@ table(
 
 # %% [markdown]
 # The network was taught by labels of half-second windows and is nearer to `release` where cycles are short; `adaptive`
-# is nearer to what is true of the walker above, and to feet half a cycle apart below. A hand that draws a small round
-# path has no direction to speak of, so the one found in a straight walk is not the one that the authors found over a
-# whole recording; the phase then runs with theirs, some way ahead or behind.
+# is nearer to the truth of the walker above. A hand that draws a small round path has no clear direction: the phase
+# then runs with theirs, some way ahead or behind.
 
 # %% [markdown]
 # The magnitude says how much an effector moves. Under `release` it should be theirs, style by style. Their search stops
-# at smaller amplitudes than the optimum has, for which our ridge stands.
+# short of the optimum's amplitudes, for which our ridge stands.
+
 
 # %%
 def sizes_of(how: str) -> list[str]:
@@ -758,6 +765,7 @@ table(
 
 # %% [markdown]
 # The styles of the paper's figure, as the authors' network walks them (generated, not recorded):
+
 
 # %%
 def generated_fig4(style: str) -> Image | Markdown:
@@ -783,8 +791,8 @@ generated_fig4("HandsInPockets")
 # %% [markdown]
 # ## All gaits of recorded people
 #
-# Up to three takes of every style and gait of `bandai-namco`. A window of a second reaches past the ends of a take, so
-# half a second there does not count for the feet.
+# Up to three takes of every style and gait of `bandai-namco`. Half a second at either end of a take does not count for
+# the feet, since a window of a second reaches past it.
 
 # %%
 gaits = {}
@@ -799,8 +807,8 @@ table(
 )
 
 # %% [markdown]
-# Check: steps alternate, feet are half a cycle apart and phases run forwards in all gaits, but for some steps of the
-# dashes, whose feet pass so fast that a contact is missed.
+# Check: steps alternate, feet are half a cycle apart and phases run forwards, but for some steps of the dashes, whose
+# feet pass so fast that a contact is missed.
 
 # %%
 for gait, score in gaits.items():
@@ -815,6 +823,7 @@ for gait, score in gaits.items():
 #
 # Three ways to fit the same windows: ours, SciPy's bounded least squares from two starts, and the authors' search.
 # Windows of recorded walks where they are at hand, else of the walker.
+
 
 # %%
 def source_functions() -> np.ndarray:
@@ -878,6 +887,7 @@ table(
 
 # %% [markdown]
 # ## What was recorded
+
 
 # %%
 def judge(identifier: str, holds: bool, note: str, **measured) -> str:
