@@ -1,19 +1,19 @@
 # %% [markdown]
 # # Where the replication stands
 #
-# Opens the series. Paper: both papers, [M18] and [M22], all sections. Time: a tenth of a minute with every preset.
+# Opens the series. Paper: both papers, [M18] and [M22], all sections. Time: seconds with every preset.
 #
 # **stylephase** rebuilds two papers on the way people walk:
 #
-# * [M18] Mason, Starke, Zhang, Bilen, Komura: *Few-shot Learning of Homogeneous Human Locomotion Styles*, 2018.
-#   A network whose weights turn with the phase of the step learns a new style from a few seconds of motion, through
-#   a small residual adapter.
+# * [M18] Mason, Starke, Zhang, Bilen, Komura: *Few-shot Learning of Homogeneous Human Locomotion Styles*, 2018. A
+#   network whose weights turn with the phase of the step learns a new style from seconds of motion, through a small
+#   residual adapter.
 # * [M22] Mason, Starke, Komura: *Real-Time Style Modelling of Human Locomotion via Feature-Wise Transformations and
 #   Local Motion Phases*, 2022. A hundred styles in one network: each hand and foot has a phase of its own, and a clip
 #   of motion scales and shifts the hidden layers.
 #
-# Every claim, table row and figure of both is listed in `data/claims.toml`, each with the notebook that tests it.
-# That notebook records what it found in `figures/`. This one reads both and shows the balance.
+# `data/claims.toml` lists every claim, table row and figure with the notebook that tests it. This notebook reads what
+# the others recorded.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run whose results are shown
@@ -41,8 +41,7 @@ others = [record for record in read_records(results, catalogue) if record.notebo
 # %% [markdown]
 # ## What this notebook adds
 #
-# Most results come from the other notebooks. Two belong here, since they speak of the whole: how long it takes to run
-# everything, and to check everything, on two cores. They are open until someone has measured them.
+# How long it takes on two cores to run everything, and to check everything.
 
 # %%
 params = {"figures_folder": figures_folder, "reproduce_minutes": reproduce_minutes, "test_minutes": test_minutes}
@@ -59,14 +58,14 @@ records = [recorder.record, *others]
 #
 # | verdict | meaning |
 # |---|---|
-# | reproduced | ours agrees with the paper, within the bounds written down beforehand, on the data the paper used |
-# | reproduced on other data | ours agrees, but the data are others, so the claim holds more widely than it was made |
+# | reproduced | ours agrees, within bounds written down beforehand, on the data of the paper |
+# | reproduced on other data | ours agrees, but the data are others |
 # | differs | ours does not agree; the reason stands beside it |
-# | not testable here | we cannot tell; what it would take stands beside it |
-# | open | no notebook has looked at it yet |
+# | not testable here | what it would take stands beside it |
+# | open | not tested yet |
 #
-# A verdict on a number is computed from bounds in `data/claims.toml`. A number without bounds, or a statement about how
-# motion looks, is judged in its notebook, where the evidence is shown.
+# A number is judged by bounds in `data/claims.toml`, a statement without a number in its notebook, where the evidence
+# is shown.
 
 # %% [markdown]
 # ## The balance
@@ -83,7 +82,7 @@ assert sum(sum(row.values()) for row in table.values()) == len(catalogue.claims)
 assert all(claim.notebook in catalogue.notebooks for claim in catalogue.claims.values())
 
 # %% [markdown]
-# The same as a picture.
+# What to look for: the pale part is open; orange asks for its reason, in the list below.
 
 # %%
 COLOURS = dict(
@@ -110,9 +109,6 @@ figure.canvas.draw()
 pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
 alt = f"Three bars, one for each group of claims, divided by verdict. {scorecard.summary_line(catalogue, records)}"
 write_png(results / "00_scorecard.png", pixels, alt=alt)
-
-# %% [markdown]
-# What to look for: the pale part is what nobody has looked at yet; orange asks for its reason, in the list below.
 
 # %% [markdown]
 # ## The runs behind the results

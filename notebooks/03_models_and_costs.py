@@ -14,11 +14,11 @@
 # %% [markdown]
 # # Models and costs
 #
-# Paper: [M22], Section 4 (Fig. 3), Table 2 and Section 5.3.1. Time: with every preset 1 minute.
+# Paper: [M22], Section 4 (Fig. 3), Table 2 and Section 5.3.1. Time: 1 minute.
 #
-# Seven networks are compared in the paper. They differ in two things only: what decides how the weights are blended,
-# and how the style enters. Both are small parts here, so every model is put together from the same layer. What does
-# each cost, in parameters and in time, and is the table right?
+# The paper's seven networks differ in two things only: what decides how the weights are blended, and how the style
+# enters. Both are small parts here, so every model is put together from the same layer. What does each cost, in
+# parameters and in time, and is the table right?
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run, without effect here
@@ -71,8 +71,8 @@ MODELS = {name: built(name, widths, STYLES) for name, widths in WIDTHS.items()}
 # > A gating network blends expert weights, a style network makes scales and shifts, and layer normalisation stands
 # > before them ([M22] 4, Fig. 3).
 #
-# `models/synthesis.py` has the three layers, `models/experts.py` the layer and the learned gate, `models/spline.py` the
-# gate of the PFNN, `models/modulators.py` the ways a style enters, `models/zoo.py` the list below.
+# `models/synthesis.py` has the layers, `models/experts.py` and `models/spline.py` the gates, `models/modulators.py` the
+# ways a style enters, `models/zoo.py` the list below.
 
 # %%
 rows = []
@@ -102,8 +102,8 @@ table(("part", "shape"), *sizes.items())
 # %% [markdown]
 # ## Three identities
 #
-# The blend of weights is the sum of `W_i` with the gate's coefficients. We blend outputs, which is the same thing in
-# one product; FiLM is layer normalisation, scale, shift, ELU (Eq. 3); and the whole is one forward pass (Eq. 4).
+# A blend of weights equals our blend of outputs; FiLM is layer normalisation, scale, shift, ELU (Eq. 3); the whole is
+# one forward pass (Eq. 4).
 
 # %%
 torch.manual_seed(0)
@@ -131,7 +131,7 @@ Markdown(
 # %% [markdown]
 # > One-hot and residual adapters change one layer; FiLM changes all of them ([M22] 5.1.2).
 #
-# The hidden layers whose output changes when only the style does, their inputs held fixed:
+# The hidden layers whose output changes when only the style does:
 
 
 # %%
@@ -153,8 +153,8 @@ table(("model", "hidden layers that the style changes"), *styled.items())
 #
 # > FiLM can be written as a layer with other weights, `W' = W_s W` and `b' = W_s b + shift` ([M22] 5.3.1).
 #
-# The normalisation divides by the row's own deviation and takes off its mean. For a given row that is a scale and a
-# shift more, so the identity holds row by row: the changed weights depend on the frame.
+# Layer normalisation, for a given row, is a scale and a shift more. So the identity holds row by row: the changed
+# weights depend on the frame.
 
 # %%
 weight, bias = torch.tensordot(gate[0], layer.weight, 1), gate[0] @ layer.bias
@@ -168,8 +168,8 @@ recorder.claim("m22-eq6-film-is-weight-change", value=eq6_off, n=1)
 # %% [markdown]
 # ## Table 2: parameters
 #
-# Arithmetic, our modules, and print. `stylephase count` shows the sums. A.S.N. is the motion network, S.M.N. what
-# holds the styles, P.S.R. what a style keeps at run time.
+# A.S.N. is the motion network, S.M.N. what holds the styles, P.S.R. what a style keeps at run time. `stylephase count`
+# shows the sums.
 
 # %%
 COLUMNS = {"A.S.N.": "asn", "S.M.N.": "smn", "P.S.R.": "psr"}
@@ -188,8 +188,8 @@ table(
 )
 
 # %% [markdown]
-# All but one number are right to the last digit. The style network has 39,214,592 parameters, not 35,668,530: the
-# printed number takes each convolution as a dense layer from 256 to 25, without the channels that come in.
+# All but one number are right to the last digit. The printed size of the style network takes each convolution as a
+# dense layer from 256 to 25, without the channels that come in.
 #
 # Where the parameters are, in training, and what one style keeps:
 
@@ -210,8 +210,8 @@ alt = "Bars of parameters for seven models: FiLM needs 39 million in training an
 figure(left, figures / "03_models_and_costs-budget.png", alt)
 
 # %% [markdown]
-# FiLM has by far the largest style network and keeps the least: its output can be stored. An adapter has to be kept
-# whole, since what goes into it changes with every frame. So with many styles the order turns round.
+# FiLM has by far the largest style network and keeps the least, since its output can be stored. An adapter has to be
+# kept whole, since what goes into it changes with every frame. So with many styles the order turns round.
 
 # %%
 number = np.unique(np.geomspace(1, 1000, 60).astype(int))
@@ -231,10 +231,10 @@ figure(axes, figures / "03_models_and_costs.png", alt)
 # %% [markdown]
 # ## Table 2: time of a frame
 #
-# One thread, one character, five runs in which the models take turns, by the clock of the processor. The PFNN keeps
-# its weights at 50 phases, as in both papers. Times of another machine cannot be compared. What can be are ratios, each
-# model's time over that of PFNN one-hot, the fastest in print, and the order of the seven. A ratio is reproduced where
-# it lies within two joint deviations of the printed one, of which ours may be a twentieth of the ratio.
+# One thread, one character, five runs in which the models take turns, by the clock of the processor. The PFNN keeps its
+# weights at 50 phases, as in both papers. Times of two machines cannot be compared, but ratios can, each model's time
+# over that of PFNN one-hot, and the order of the seven. A ratio is reproduced where it lies within two joint deviations
+# of the printed one, of which ours may be a twentieth of the ratio.
 
 # %%
 REFERENCE = "pfnn-onehot"
@@ -288,13 +288,13 @@ places = ", ".join(f"{slow} before {fast}" for fast, slow in pairs) or "none"
 Markdown(f"rank correlation {correlation:.2f}; pairs that change places: {places}")
 
 # %% [markdown]
-# The two groups stay apart: every PFNN is faster than every network of eight experts. Within a group the order is
-# another: in print FiLM costs much more than one-hot, here about as much, since a style's column is stored with the
-# biases and the few vectors of FiLM cost little.
+# Every PFNN is faster than every network of eight experts, as in print. Within a group the order is another: in print
+# FiLM costs much more than one-hot, here about as much, since a style's column is stored with the biases and the
+# vectors of FiLM are few.
 
 # %% [markdown]
-# Eight experts cost several times the PFNN's time, in the paper and here. Part of that is the stored phases,
-# which no gate of eight numbers allows. How much? The PFNN with its spline evaluated in every frame:
+# Part of the PFNN's lead is its stored phases, which no gate of eight numbers allows. How much? The PFNN with its
+# spline evaluated in every frame:
 
 # %%
 network = build_synthesis("pfnn-onehot", WIDTHS["pfnn-onehot"], STYLES, NetworkSettings()).eval()
@@ -309,9 +309,8 @@ Markdown(f"evaluating the spline in every frame takes {spline_factor:.1f} times 
 # %% [markdown]
 # ## The released network
 #
-# The authors released LPN-FiLM with a code for each of the hundred styles. Where it is at hand, our network with its
-# weights is compared with a plain form in NumPy, and all styles are asked to walk, from the mean pose, with the
-# demonstration's settings.
+# Where the authors' LPN-FiLM is at hand, our network with its weights is compared with a plain form in NumPy, and all
+# its styles are asked to walk, from the mean pose, with the demonstration's settings.
 
 # %%
 at_hand = {where(released_weights()["lpn-release"]), where(find_dataset("100style"))} <= {"cache", "mirror"}
@@ -336,14 +335,14 @@ lines = [
 table(heads, *lines, (f"do not walk: {', '.join(faulty) or '-'}", "", "", "", ""))
 
 # %% [markdown]
-# Drunk's stored code is broken, as the release says itself. The other three hop; from a standing start, without the
-# run button, they glide. Not one of the others loses its step.
+# Drunk's stored code is broken, as the release says itself. The other three hop; from a standing start, without the run
+# button, they glide.
 
 # %% [markdown]
 # ## How fast ours is
 #
-# Times are of this machine, so each stands beside a reference of the same run. The first rows are of training, the
-# others of one frame of a character.
+# Each time stands beside a reference of the same run. The first rows are of training, the others of one frame of a
+# character.
 
 # %%
 rows = {row.name: row for row in (*training_rows(), *frame_rows())}
@@ -353,8 +352,8 @@ table(
 )
 
 # %% [markdown]
-# A network of eight experts is read from memory in every frame. Look at its row "to the floor": the reference there
-# only reads as many numbers. No form in single precision can be faster; weights of 8 bits can.
+# A network of eight experts is read from memory in every frame, and the reference "to the floor" does nothing but read
+# as many numbers. No form in single precision can be faster; weights of 8 bits can.
 
 # %% [markdown]
 # ## What was recorded

@@ -14,12 +14,11 @@
 # %% [markdown]
 # # Training, and whether the character walks
 #
-# Paper: [M22], Section 4.3 (training) and 4.4 (the character moves). Time: preset quick about 1 minute, preset cpu
-# about 4 minutes, after a training of about 1 and 30 minutes.
+# Paper: [M22], Section 4.3 (training) and 4.4 (the character moves). Time: preset quick 1 minute, preset cpu 4 minutes,
+# after a training of 1 and 30 minutes.
 #
-# The network learns one step: from this frame to the next. Whether that makes a character who walks is another
-# question, and the error of one step does not answer it. So this notebook does both: it measures the error of a step
-# beside predictors that know nothing of style, and it lets every style walk for twenty seconds.
+# The network learns one step, from this frame to the next. Does that make a character who walks? The error of a step is
+# measured beside predictors that know nothing of style, and every style walks for twenty seconds.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the network was trained on
@@ -63,10 +62,9 @@ Markdown(f"{len(runs)} runs, seeds {seeds}, on `{about['data']}` ({about['origin
 #
 # > The loss is the squared error of all outputs plus a term for the length of the bones ([M22] Eq. 5).
 #
-# The first part compares normalised vectors, the second metres. `training/losses.py` has both, `training/loop.py` the
-# loop, `training/presets.py` the numbers. Two things differ from the paper in the preset `cpu`, to fit half an hour of
-# a laptop: one pass of the style generator serves four steps of the network, and the rectifiers leak (with plain ones
-# every filter died within minutes, all styles got one code, and the error did not show it).
+# The first part compares normalised vectors, the second metres. To fit half an hour of a laptop, the preset `cpu`
+# differs from the paper in two things: one pass of the style generator serves four steps of the network, and the
+# rectifiers leak, since plain ones died within minutes and gave all styles one code.
 
 # %%
 how = PRESETS[about["preset"]]
@@ -85,8 +83,8 @@ Markdown("\n".join(["| | |", "|---|---|", *(f"| {key} | {value} |" for key, valu
 # ## How it went
 #
 # Training error is measured with dropout, validation error without. The factor of a wrong code says by how much the
-# error grows when a style gets another style's code: at 1 the code would be ignored. Look at the last stretch: the
-# curves should be nearly flat.
+# error grows when a style gets another style's code: at 1 the code would be ignored. What to look for: the last stretch
+# should be nearly flat.
 
 # %%
 # Takes of less than four seconds only train: of a data set of nothing else there is no error but that of training.
@@ -114,10 +112,9 @@ Markdown("\n".join(lines))
 # %% [markdown]
 # ## One step ahead, beside predictors that know nothing
 #
-# On test frames that no training saw, in eval mode. `hold` keeps the pose and goes on along the trajectory, `mean`
-# always says the mean, `ridge` is one linear regression for all styles, `untrained` is the network as it was drawn,
-# `dropout` is ours with dropout left on, as the authors' script ran its test. `wrong code` is ours with codes of other
-# styles.
+# On test frames that no training saw. `hold` keeps the pose and goes on along the trajectory, `mean` always says the
+# mean, `ridge` is one linear regression for all styles, `untrained` is the network as it was drawn, `dropout` is ours
+# with dropout left on, as in the authors' test, `wrong code` is ours with codes of other styles.
 
 # %%
 groups = groups_of(load_catalogue(dataset).styles)
@@ -148,17 +145,17 @@ def one_step_picture() -> Image | Markdown:
 one_step_picture()
 
 # %% [markdown]
-# Linear regression beats the network at this game by far. It also sees the previous pose, and the pose tells the style;
-# the network has 30 % of its input dropped and must use the code. The rollouts show what that buys.
+# Linear regression beats the network by far. It sees the whole previous pose, which tells the style; the network
+# learned with part of its input dropped and must use the code. The rollouts show what that buys.
 
 # %% [markdown]
 # ## Twenty seconds of walking
 #
-# Each style starts in a pose of its own data and is told to walk straight on, at the gain with which it reaches its
-# data's walking speed. Then it turns by 90 degrees to either side, and is told to stop. Nothing corrects the network:
-# no inverse kinematics, no foot locking. `!` marks feet that do not alternate. The nearest real style is found by the
-# means and deviations of joint positions and velocities; on held-out clips of real motion the same measure is right as
-# often as the line below the table says.
+# Each style starts in a pose of its own data and walks straight on, at the gain with which it reaches its data's
+# walking speed. Then it turns by 90 degrees to either side, and is told to stop. Nothing corrects the network: no
+# inverse kinematics, no foot locking. `!` marks feet that do not alternate. The nearest real style is found by the
+# means and deviations of joint positions and velocities; below the table, how often that is right on held-out clips of
+# real motion.
 
 # %%
 Markdown(summary(results[0]))
@@ -170,8 +167,8 @@ Markdown(f"Held-out real clips nearest to their own style: {counts[0]['right']} 
 # %% [markdown]
 # ## What one sees
 #
-# For each style the data above, the rollout below, at the same time steps. Look at the back and the head, at the arms,
-# at how far the feet reach.
+# For each style the data above, the rollout below. What to look for: the back and the head, the arms, how far the feet
+# reach.
 
 # %%
 bundle = load_bundle(runs[0].parent)
@@ -190,7 +187,7 @@ write_png(figures / "04_training-strips.png", grid(cycle, Layout(frames=7, scale
 Image(figures / "04_training-strips.png", alt=alt)
 
 # %% [markdown]
-# All styles, as the character leaves the program without any correction, a third of a second between poses.
+# All styles, without any correction, a third of a second between poses.
 
 # %%
 all_walks = results[0]["rollouts"]["walks"]
