@@ -164,6 +164,18 @@ def difference(
     return Effect(value, *interval_of(picks), _share(np.abs(flips) >= abs(value) - 1e-12))
 
 
+def group_difference(
+    ours: Float[ndarray, " cases"], theirs: Float[ndarray, " others"], rng: np.random.Generator, draws: int = DRAWS
+) -> Effect:
+    """Difference of the means of two groups, with the interval when the cases of each are drawn again; under chance
+    the cases are dealt to the groups anew."""
+    value, pool = float(ours.mean() - theirs.mean()), np.concatenate([ours, theirs])
+    drawn = [group[_picks(group, rng, draws)].mean(axis=1) for group in (ours, theirs)]
+    dealt = rng.permuted(np.broadcast_to(pool, (draws, len(pool))), axis=1)
+    null = dealt[:, : len(ours)].mean(axis=1) - dealt[:, len(ours) :].mean(axis=1)
+    return Effect(value, *interval_of(drawn[0] - drawn[1]), _share(np.abs(null) >= abs(value) - 1e-12))
+
+
 def _share(hits: Bool[ndarray, " draws"]) -> float:
     """The share of hits, counting what was observed as one draw more, so that it is never 0."""
     return float((hits.sum() + 1) / (len(hits) + 1))
