@@ -16,11 +16,11 @@ from tqdm import tqdm
 
 from stylephase.errors import InputError
 from stylephase.files import replacing
-from stylephase.report import palette
 from stylephase.report.render.motion import Motion, facing_angles
 from stylephase.report.render.scene import (
     Character,
     add_ground,
+    add_label,
     add_lights,
     look,
     picture,
@@ -129,10 +129,7 @@ class _Panel:
         add_ground(plotter, hips[:, [0, 2]], line_width=_LINE_WIDTH * _FINER)
         self._character = Character(plotter, motion, toward=self._toward, highlights=highlights)
         if motion.label:
-            size = _LABEL_SIZE * _FINER
-            text = plotter.add_text(
-                motion.label, position=_LABEL_PLACE, viewport=True, font_size=size, color=palette.INK
-            )
+            text = add_label(plotter, motion.label, place=_LABEL_PLACE, size=_LABEL_SIZE * _FINER)
             # Hung from its top, so that it fits however low the panel is and however many lines it has.
             text.prop.SetVerticalJustificationToTop()
 
