@@ -127,4 +127,3 @@ def apart(ours: Float[ndarray, "grid joints 3"], real: Float[ndarray, "grid join
     """Mean distance (cm) of the joints over a cycle, after the shift of phase at which it is least."""
     shifts = [np.linalg.norm(np.roll(ours, shift, axis=0) - real, axis=-1).mean() for shift in range(len(ours))]
     return 100 * float(min(shifts))
-
