@@ -400,8 +400,7 @@ table(("style", "frames", "cycles", "off (cm)", "of it movement (cm)", "courses 
 def walk_of(name: str, style: str, radius: float = 0.0, hand: str = "straight", label: str = ""):
     some = next(c for c in courses[name] if any(course.style == style for course in c.courses))
     motion = walking_motion(some.run, some.of(style, radius, hand), base.body, label)
-    window = slice(-90, None)
-    return replace(motion, positions=motion.positions[window], contacts=motion.contacts[window])
+    return motion.frames(len(motion) - 90, len(motion))
 
 
 def picture(motions, file: str, alt: str, **options) -> Image:
@@ -525,7 +524,7 @@ table(
 )
 
 # %%
-lengths = {cycles: np.mean([min(cycles or 99, len(s.cycles)) for s in study.styles]) for cycles in amounts}
+lengths = {c: float(np.mean([min(c or 99, len(s.cycles)) for s in study.styles])) for c in amounts}
 few_curves = {
     ("all cycles" if c is None else "1 cycle"): {rate: share(capped(by_dropout[c, rate])) for rate in rates}
     for c in amounts
@@ -865,8 +864,8 @@ judge(
 recorder.not_testable("m18-odd-trajectories-fail", "walks with stops or odd root paths, such as martial arts")
 recorder.not_testable("m18-non-periodic-impossible", "real walks that do not repeat themselves")
 value = [round(share(v).value, 2) for v in (found["CP"].over(running, "right"), found["CP"].recognised)]
-if to_neutral is not None:
-    fewer = told_runs["CP"]
+fewer = told_runs["CP"]
+if fewer is not None and to_neutral is not None:
     note = (
         f"share of real runs whose nearest style is the right one, and of walks; runs less walks {fewer}, of the clip "
     )

@@ -118,6 +118,7 @@ def test_a_moved_posture_is_the_clips(study):
     usual = study.base_cycles["Plain"].mean(axis=0)
     for (name, gait), cycle in moved.cycles.items():
         expected = study.real[name, gait].mean(axis=0) + study.clip_cycles[name].mean(axis=0) - usual
+        assert cycle is not None
         np.testing.assert_allclose(cycle.mean(axis=0), expected)
     assert (study.distance > 1).all()
 
