@@ -10,7 +10,6 @@ notebooks/stale.toml names those that cannot be made again yet, each with its re
 import argparse
 import re
 import sys
-import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -23,14 +22,8 @@ from stylephase.report import made, notebooks, scorecard
 from stylephase.report.manifest import ROOT
 from stylephase.report.sources import Sources
 
-LISTED, LAST, TEXT = Path("notebooks/stale.toml"), "00_scorecard", "its text"
+LAST, TEXT = "00_scorecard", "its text"
 STALE, BAD_INPUT = 1, 2
-
-
-def admitted(root: Path = ROOT) -> dict[str, str]:
-    """The notebooks that are admitted to be stale, each with the reason why it is not made again yet."""
-    path = root / LISTED
-    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 def changed(name: str, root: Path = ROOT) -> list[str]:
@@ -70,9 +63,9 @@ def make(name: str, root: Path = ROOT) -> None:
         raise InputError(f"{name} needs trained runs that are not there: {', '.join(missing)}")
     print(f"Notebook {name}", flush=True)
     notebooks.run(name, old.parameters, out=root / "notebooks", root=root)
-    if name in admitted(root):
-        kept = re.sub(rf"^{name} = .*\n", "", (root / LISTED).read_text(encoding="utf-8"), flags=re.MULTILINE)
-        write_text(root / LISTED, kept)
+    if name in made.admitted(root):
+        listed = root / made.LISTED
+        write_text(listed, re.sub(rf"^{name} = .*\n", "", listed.read_text(encoding="utf-8"), flags=re.MULTILINE))
 
 
 def make_all(root: Path = ROOT) -> int:

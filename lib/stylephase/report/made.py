@@ -21,6 +21,7 @@ from stylephase.files import read_json, sha256, write_json
 from stylephase.report.manifest import combined_hash
 from stylephase.report.sources import Sources, digest, plain
 
+LISTED = "notebooks/stale.toml"
 _CLAIMS, _REGISTRY = "data/claims.toml", "data/registry.toml"
 _FOLDERS = ("data/pretrained/", "data/runs/")
 _DATA = ("data/", "figures/", "notebooks/")
@@ -43,6 +44,12 @@ class Made:
     runs: list[str]
     outputs: dict[str, str]
     vouched: list[dict[str, Any]] = field(default_factory=list)
+
+
+def admitted(root: Path) -> dict[str, str]:
+    """The notebooks that are admitted to be stale, each with the reason why it is not made again yet."""
+    path = root / LISTED
+    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 def place(root: Path, name: str) -> Path:
