@@ -1,11 +1,10 @@
 """No committed notebook, number or picture is older than the code or data that made it, unless that is admitted."""
 
 from stylephase.report import fresh, made
-from stylephase.report.notebooks import names
 
 
 def test_what_is_stale_is_admitted_with_a_reason_and_nothing_else_is(root):
-    stale = {name: what for name in names(root) if (what := fresh.changed(name, root))}
+    stale = fresh.stale(root)
     admitted = made.admitted(root)
     assert all(reason.strip() for reason in admitted.values())
     assert admitted.keys() - stale.keys() == set(), f"fresh again; take it out of {made.LISTED}"

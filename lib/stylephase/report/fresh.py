@@ -26,13 +26,20 @@ LAST, TEXT = "00_scorecard", "its text"
 STALE, BAD_INPUT = 1, 2
 
 
-def changed(name: str, root: Path = ROOT) -> list[str]:
-    """What changed since a committed notebook was made; none where it is fresh."""
+def stale(root: Path = ROOT) -> dict[str, list[str]]:
+    """All notebooks that are stale, each with what changed since it was made."""
+    sources = Sources(root)
+    return {name: what for name in notebooks.names(root) if (what := changed(name, root, sources))}
+
+
+def changed(name: str, root: Path = ROOT, sources: Sources | None = None) -> list[str]:
+    """What changed since a committed notebook was made; none where it is fresh. `sources` are the library as it is."""
     copy = root / "notebooks" / f"{name}.ipynb"
     if not (copy.is_file() and made.place(root, name).is_file()):
         return ["everything: it has no copy, or no note of how that was made"]
     script, old = notebooks.read_script(notebooks.find(name, root)), nbformat.read(copy, as_version=4)
-    found = made.changes(root, name, made.read(made.place(root, name)), notebooks.code_cells(script), old)
+    entry, cells = made.read(made.place(root, name)), notebooks.code_cells(script)
+    found = made.changes(root, name, entry, sources or Sources(root), cells, old)
     if not found and [c.source for c in notebooks.own_cells(old)] != [c.source.rstrip() for c in script.cells]:
         return [TEXT]
     return found
@@ -68,10 +75,10 @@ def make(name: str, root: Path = ROOT) -> None:
         write_text(listed, re.sub(rf"^{name} = .*\n", "", listed.read_text(encoding="utf-8"), flags=re.MULTILINE))
 
 
-def make_all(root: Path = ROOT) -> int:
-    """Make the stale notebooks, the scorecard last, since it reads the others; exit status 2 where one was left."""
+def make_all(names: Sequence[str], root: Path = ROOT) -> int:
+    """Make those that are stale, the scorecard last, since it reads the others; exit status 2 where one was left."""
     status = 0
-    for name in sorted(notebooks.names(root), key=lambda name: (name == LAST, name)):
+    for name in sorted(names, key=lambda name: (name == LAST, name)):
         if name == LAST:
             scorecard.main(["--write"], root)
         if changed(name, root):
@@ -110,24 +117,25 @@ def main(arguments: Sequence[str] | None = None, root: Path = ROOT) -> int:
     """The command; exit status 1 where something is stale, 2 for bad input or where something cannot be made."""
     parser = argparse.ArgumentParser(prog="python -m stylephase.report.fresh", description=__doc__)
     actions = parser.add_subparsers(dest="action")
-    actions.add_parser("make", help="run the stale notebooks again, as they were run")
+    making = actions.add_parser("make", help="run the stale notebooks again, as they were run")
+    making.add_argument("names", nargs="*", help="only these")
     vouching = actions.add_parser("vouch", help="keep a notebook although something changed")
     vouching.add_argument("name")
     vouching.add_argument("--reason", required=True, help="why the change cannot have changed an output")
     asked = parser.parse_args(arguments)
     try:
         if asked.action == "make":
-            return make_all(root)
+            return make_all([notebooks.find(name, root).stem for name in asked.names] or notebooks.names(root), root)
         if asked.action == "vouch":
             vouch(notebooks.find(asked.name, root).stem, asked.reason, root)
             return 0
-        stale = {name: what for name in notebooks.names(root) if (what := changed(name, root))}
+        found = stale(root)
     except InputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
-    for name, what in stale.items():
+    for name, what in found.items():
         print(f"{name}: {len(what)} changed: {', '.join(what)}")
-    return STALE if stale else 0
+    return STALE if found else 0
 
 
 if __name__ == "__main__":

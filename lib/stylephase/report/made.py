@@ -23,6 +23,8 @@ from stylephase.report.sources import Sources, digest, plain
 
 LISTED = "notebooks/stale.toml"
 _CLAIMS, _REGISTRY = "data/claims.toml", "data/registry.toml"
+# Of a claim: whether it is recorded, and whether the README tells it first.
+_TOLD = ("status", "main")
 _FOLDERS = ("data/pretrained/", "data/runs/")
 _DATA = ("data/", "figures/", "notebooks/")
 _TRAINING = ("stylephase.cli.train:train", "stylephase.cli.evaluate:evaluate")
@@ -103,7 +105,7 @@ def cell_digests(cells: Iterable[str]) -> list[str]:
 def data_digests(root: Path, name: str, labels: Iterable[str]) -> dict[str, str]:
     """A digest of each thing that is read: a file, a folder of weights or results, a data set's entry, the claims.
 
-    Of the claims those of the notebook count, of notebook 00 all; their status does not.
+    Of the claims those of the notebook count, of notebook 00 all; what only the README tells does not (`_TOLD`).
     """
     found = {}
     for label in sorted(labels):
@@ -113,7 +115,7 @@ def data_digests(root: Path, name: str, labels: Iterable[str]) -> dict[str, str]
         elif label == _CLAIMS:
             claims = tomllib.loads((root / label).read_text(encoding="utf-8")).get("claim", [])
             mine = [claim for claim in claims if name.startswith("00_") or claim["notebook"] == name]
-            found[label] = digest([{key: claim[key] for key in sorted(claim) if key != "status"} for claim in mine])
+            found[label] = digest([{key: claim[key] for key in sorted(claim) if key not in _TOLD} for claim in mine])
         else:
             inside = [root / file] if (root / file).is_file() else (root / file).glob("*")
             found[label] = combined_hash((path for path in inside if path.suffix != ".md"), root)[:12]
@@ -128,9 +130,9 @@ def output_digests(root: Path, name: str, copy: NotebookNode, figures: str) -> d
     return {f"{name}.ipynb": copied, **{path.name: sha256(path)[:12] for path in files}}
 
 
-def changes(root: Path, name: str, made: Made, cells: Sequence[str], copy: NotebookNode) -> list[str]:
+def changes(root: Path, name: str, made: Made, sources: Sources, cells: Sequence[str], copy: NotebookNode) -> list[str]:
     """What differs from when the notebook was made: definitions, data, cells, outputs; none where it is fresh."""
-    code = Sources(root).digests(made.code)
+    code = sources.digests(made.code)
     now = [f"cell {n}" for n, (old, new) in enumerate(zip(made.cells, cell_digests(cells), strict=False)) if old != new]
     now += [f"{abs(len(cells) - len(made.cells))} cells"] if len(cells) != len(made.cells) else []
     now += differing(made.code, code) + differing(made.data, data_digests(root, name, made.data))

@@ -39,6 +39,7 @@ class Sources:
     def __init__(self, root: Path, script: str = ""):
         self.nodes: dict[str, list[ast.AST]] = {}
         self._imported: dict[str, dict[str, str]] = {}
+        self._digests: dict[str, str] = {}
         folder = root / "lib"
         for path in sorted((folder / PACKAGE).rglob("*.py")):
             parts = path.relative_to(folder).with_suffix("").parts
@@ -55,9 +56,11 @@ class Sources:
 
     def digests(self, names: Iterable[str]) -> dict[str, str]:
         """A digest of each definition that exists, by name, in order."""
-        return {
-            name: digest([plain(node) for node in self.nodes[name]]) for name in sorted(names) if name in self.nodes
-        }
+        known = sorted(name for name in names if name in self.nodes)
+        for name in known:
+            if name not in self._digests:
+                self._digests[name] = digest([plain(node) for node in self.nodes[name]])
+        return {name: self._digests[name] for name in known}
 
     def needed(self, ran: Iterable[str]) -> set[str]:
         """The functions that ran, in the script too, and the constants and classes that they use."""
