@@ -17,9 +17,8 @@
 # Paper: [M18], Sections 6, 7, 8.1 and 9.1, Figs. 1, 5, 6, 7, Tables 1 and 2. Time: preset quick half a minute, preset
 # cpu 10 minutes, after the training of two bases.
 #
-# A network that knows some styles learns another from one walk of a few seconds. The paper shows the result in a video.
-# Here each new style has other takes, of the same person in the same style on other ways, which nobody learns from:
-# what the network makes of their paths is held against them.
+# A network that knows some styles learns another from one walk of a few seconds. Each new style has other takes here,
+# on other ways, which nobody learns from: what the network makes of their paths is held against them.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the styles
@@ -108,9 +107,8 @@ Markdown(
 #
 # > Fifty styles with 55 to 2,241 frames and 1 to 25 cycles of walking ([M18] 5.2, Table 2).
 #
-# Of each style the straightest five seconds of its first walk, and of those whole cycles, from one coming down of a
-# foot to the next. A symmetric style is learned with its mirror image too. Distance is that of the mean cycle from the
-# nearest base style's.
+# Of each style the straightest five seconds of its first walk, cut to whole cycles. A symmetric style is learned with
+# its mirror image too. Distance is that of the mean cycle from the nearest base style's.
 
 # %%
 counts = {s.name: (len(s.cycles.rows()), len(s.cycles)) for s in study.styles}
@@ -169,9 +167,9 @@ table(
 #
 # > All is frozen but a new adapter, with dropout in front of it ([M18] 7).
 #
-# A way to learn is an adapter, its dropout and its L1 weight; every way learns all styles. The rivals train a whole
-# PFNN for each style: on the clip alone, or from the neutral base on. The null models are no learning at all: the
-# base's own neutral adapter, and none (`average`).
+# A way to learn is an adapter, its dropout and its L1 weight. The rivals train a whole PFNN for each style: on the clip
+# alone, or from the neutral base on. The null models learn nothing: the base's own neutral adapter, and none
+# (`average`).
 
 # %%
 ways = {
@@ -211,9 +209,8 @@ table(("way", "unseen walks (cm)", "own style nearest (%)", *gaits), *(row_of(on
 
 # %% [markdown]
 # Median over styles with its interval, then the median by gait, of the mean distance of joints over a cycle, phase
-# aligned. A network is led along the recorded path from the take's first pose; the first second does not count. `the
-# clip again` repeats the clip's mean cycle whatever the path: a network that is worse has learned nothing of other
-# ways.
+# aligned. A network is led along the recorded path from the take's first pose. `the clip again` repeats the clip's mean
+# cycle: a network that is worse has learned nothing of other ways.
 
 # %%
 far_off = {
@@ -229,8 +226,8 @@ Markdown(
 # > itself keeps more detail but generalises badly (9.3).
 #
 # Do statistics carry style? The mean pose of an unseen walk, normalised as the base is, is held against those of the
-# clips. What own statistics gain is the share of movement above 5 Hz along the clip, over the clip's own; what they
-# cost is in the table above.
+# clips. What own statistics gain is the share of movement above 5 Hz that is kept; what they cost is in the table
+# above.
 
 # %%
 BASES, OWN = "the base's", "the clip's own"
@@ -290,8 +287,8 @@ Markdown(
 # > Rivals match the clip's path and break on others (Fig. 6); a full adapter may not turn left, a diagonal one comes
 # > out average (Fig. 7).
 #
-# Every style walks free, straight on and round circles, at its clip's speed. A walk breaks where bones are off their
-# lengths by more than a tenth, the path is missed by half a metre, the hips are too high or low, or it hardly moves.
+# Every style walks free, straight on and round circles. A walk breaks where bones are off their lengths by more than a
+# tenth, the path is missed by half a metre, the hips are too high or low, or it hardly moves.
 
 # %%
 courses = {
@@ -340,9 +337,8 @@ table(
 #
 # > For some styles a single cycle is there ([M18] 5.2).
 #
-# So it is for Xia's eight styles, where they are at hand. They are carried over from CMU's skeleton by joint name and
-# mean pose; `off` is how far joints then are from where they were, of which the part beside the bodies' proportions is
-# movement.
+# So it is for Xia's eight styles, carried over from CMU's skeleton by joint name and mean pose; `off` is how far joints
+# then are from where they were.
 
 # %%
 xia = dataset == "bandai-namco" and where(XIA) != "nowhere"
@@ -433,7 +429,6 @@ picture(motions, "fig7", alt, frames=7)
 #
 # > Scarce or far styles need stronger regularisation; L1 weights or fewer factors do about as well ([M18] 7.2).
 #
-# One, two or all cycles of each clip; dropout of several rates; without dropout, fewer factors or a larger L1 weight.
 # The median says how near a style comes, the mean, of errors up to a metre, how often it breaks as well.
 
 # %%
@@ -494,8 +489,8 @@ figure(
 # > The rate was chosen for each style by a grid search and by eye; a heuristic may do better ([M18] 7.2).
 #
 # Our rule names one rate below a border, of the number of cycles or of the distance from the base styles, and another
-# above it. Border and rates are made without the style that they are tested on. `one rate` is the best rate of the
-# other styles, `by hindsight` the best of each clip.
+# above it, made without the style that it is tested on. `one rate` is the best rate of the other styles, `by hindsight`
+# the best of each clip.
 
 # %%
 tried = [(s, k, c) for c in amounts for k, s in enumerate(study.names)]
@@ -583,9 +578,8 @@ Markdown(
 #
 # > With all adapters at zero the motion is close to a neutral walk, and snaps slightly in quick turns ([M18] 8.1).
 #
-# Its mean cycle on unseen paths against a recorded walk of each base style. Then all of them turn by half a circle at
-# once; a jolt is the largest mean acceleration of the joints, seen from the root, over a tenth of a second, as a
-# multiple of that on the way straight on.
+# Its mean cycle against a recorded walk of each base style. Then all turn by half a circle at once; a jolt is the
+# largest mean acceleration of the joints over a tenth of a second, as a multiple of that on the way straight on.
 
 # %%
 average_cycle = np.mean([c for k, c in found["average"].cycles.items() if k[1] in WALKING and c is not None], axis=0)

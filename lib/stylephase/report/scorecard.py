@@ -85,9 +85,21 @@ def main_table(catalogue: Catalogue, records: Iterable[Record], links: str) -> s
 
 
 def _main_row(claim: Claim, result: Result | None, links: str) -> str:
-    found = "; ".join(part for part in (result.note, shown(result.value, claim.unit)) if part) if result else ""
+    found = _found(result.value, claim.unit, result.note) if result else ""
     cells = (f"{claim.name} ({claim.paper}, {claim.where})", result.verdict if result else OPEN, found)
     return "| " + " | ".join([*map(_cell, cells), _link(claim, links) if result else claim.notebook[:2]]) + " |"
+
+
+def _found(value: Any, unit: str, note: str) -> str:
+    """A value and what its note says of it: once, where the note tells the same numbers.
+
+    >>> _found([0.02, 0.971], "", "share held: alone, ours"), _found([0.8669], "", "ratio 0.867 [0.8, 0.9]")
+    ('0.02 / 0.971: share held: alone, ours', 'ratio 0.867 [0.8, 0.9]')
+    """
+    parts = value if isinstance(value, list) else [value]
+    numbers = [f"{part:.3g}" if isinstance(part, int | float) and not isinstance(part, bool) else "" for part in parts]
+    said = note and all(number and number in note for number in numbers)
+    return note if said else ": ".join(part for part in (shown(value, unit), note) if part)
 
 
 def row(claim: Claim, result: Result | None, links: str) -> str:
