@@ -23,15 +23,14 @@ reproduce_minutes: float = 0.0  # measured duration of make reproduce, 0 when it
 test_minutes: float = 0.0  # measured duration of make test, 0 when it was not measured
 
 # %%
-import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Markdown
+from IPython.display import Image, Markdown
+from matplotlib.figure import Figure
 
-from stylephase.report import palette, scorecard
+from stylephase.report import palette, plots, scorecard
 from stylephase.report.claims import read_claims, read_records
 from stylephase.report.made import admitted
 from stylephase.report.manifest import ROOT
-from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 
 listed = ROOT / "data" / "claims.toml"
@@ -86,6 +85,7 @@ assert all(claim.notebook in catalogue.notebooks for claim in catalogue.claims.v
 # What to look for: the pale part is open; orange asks for its reason, in the list below.
 
 # %%
+TIGHT = {"columnspacing": 1.0, "handlelength": 1.2}
 COLOURS = dict(
     zip(
         scorecard.OUTCOMES,
@@ -93,23 +93,23 @@ COLOURS = dict(
         strict=True,
     )
 )
-figure, axes = plt.subplots(figsize=(9, 2.6), layout="constrained")
 titles = [scorecard.PAPERS[paper] for paper in table]
 left = np.zeros(len(table), dtype=int)
-for outcome, colour in COLOURS.items():
-    widths = np.array([row[outcome] for row in table.values()])
-    bars = axes.barh(titles, widths, left=left, color=colour, label=outcome)
-    ink = palette.INK if outcome == "open" else palette.BACKGROUND
-    axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center", color=ink)
-    left += widths
-axes.invert_yaxis()
-axes.set_xlabel("claims")
-axes.spines[["top", "right"]].set_visible(False)
-figure.legend(loc="outside upper center", ncols=len(COLOURS), frameon=False)
-figure.canvas.draw()
-pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+with plots.style():
+    axes = Figure(figsize=(7.2, 2.2)).subplots()
+    for outcome, colour in COLOURS.items():
+        widths = np.array([row[outcome] for row in table.values()])
+        bars = axes.barh(titles, widths, left=left, color=colour, label=outcome, edgecolor=palette.BACKGROUND)
+        ink = palette.INK if outcome == "open" else palette.BACKGROUND
+        axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center", color=ink)
+        left += widths
+    axes.invert_yaxis()
+    axes.set(xlabel="claims (count)")
+    axes.grid(axis="y", visible=False)
+    axes.figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=len(COLOURS), **TIGHT)
 alt = f"Three bars, one for each group of claims, divided by verdict. {scorecard.summary_line(catalogue, records)}"
-write_png(results / "00_scorecard.png", pixels, alt=alt)
+plots.save_figure(axes.figure, results / "00_scorecard.png", alt=alt)
+Image(results / "00_scorecard.png", alt=alt)
 
 # %% [markdown]
 # ## The runs behind the results

@@ -107,7 +107,7 @@ with plots.style():
         minutes = np.array([of_style[part] for of_style in parts.values()]) / FPS / 60
         axes.barh(list(parts), minutes, left=left, color=COLOURS[part], label=part, height=0.7)
         left += minutes
-    axes.set(xlabel="minutes", ylabel="style")
+    axes.set(xlabel="duration (min)", ylabel="style")
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
     axes.figure.legend(loc="outside upper right", ncols=3)

@@ -156,7 +156,7 @@ def ratios_by_model(case: Case) -> dict:
 
 marks = [(1.0, "as in the data"), (main.data.stuck_below, "stuck below")]
 axes = model_plots.ratios(
-    ratios_by_model(main), quantity=f"amplitude of each hand over the data's, {dataset}", marks=marks
+    ratios_by_model(main), quantity=f"amplitude of each hand over the data's (ratio), {dataset}", marks=marks
 )
 figure(
     axes,

@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from stylephase.data.archive import fetch
 from stylephase.data.catalogue import load_catalogue, load_clip
 from stylephase.data.registry import DATA, datasets, released_weights
+from stylephase.evaluation.budget.rows import built, parameters
 from stylephase.evaluation.labels import (
     footfalls,
     label_delays,
@@ -33,10 +34,11 @@ from stylephase.evaluation.labels import (
     steady_phase,
 )
 from stylephase.models import holden
+from stylephase.models.pfnn import adapters
 from stylephase.models.released_pfnn import load_pfnn
 from stylephase.models.spline import POINTS, catmull_rom
 from stylephase.models.synthesis import NetworkSettings
-from stylephase.models.zoo import WIDTHS_2018, build_synthesis
+from stylephase.models.zoo import WIDTHS_2018, Widths, build_synthesis
 from stylephase.motion.bvh import read_bvh
 from stylephase.motion.clip import forward_kinematics, velocities
 from stylephase.motion.contacts import ContactRule, foot_contacts
@@ -508,9 +510,16 @@ if labelled:
     recorder.claim("m18-fig2-pfnn", value=fig2_off, verdict=REPRODUCED if holds else DIFFERS, note=note, n=5)
     note = f"of Holden's network, whose statistics put {spacing:.1f} frames between two points"
     judge("m18-trajectory-points", points == 12 and abs(spacing - 10) < 0.5, note, value=points)
-    note = "from the parts, with the joints of Holden's takes"
-    judge("m18-features-input", inputs == WIDTHS_2018.inputs, note, value=inputs)
-    judge("m18-features-output", outputs == WIDTHS_2018.outputs, note, value=outputs)
+    # The printed share of an adapter in the network tells nearly how many values go in and out together.
+    names = ("m18-features-input", "m18-features-output", "m18-full-adapter-share")
+    wide_in, wide_out, full_share = (recorder.catalogue.claims[name].paper_value for name in names)
+    whole = parameters(built("pfnn", Widths(inputs, 1, outputs), 0))
+    adapter = 100 * parameters(adapters("full", 1, 512).adapters[0]) / whole
+    fits = abs(adapter - full_share) < 0.05
+    note = f"from the parts, with the joints of Holden's takes; a full adapter is then {adapter:.2f} % of the network, "
+    note += f"in print {full_share}"
+    judge("m18-features-input", inputs == wide_in and fits, note, value=inputs)
+    judge("m18-features-output", outputs == wide_out and fits, note, value=outputs)
     even = abs(balance["takes and mirrored copies"]) < 0.05 * abs(balance["the takes"]) and abs(lean) < 0.01
     note = "degrees/s to the left of Holden's takes, alone and with their copies; the data of the network are even too"
     judge("m18-data-mirrored", even, note, value=[round(value, 2) for value in balance.values()], n=len(alone))

@@ -146,12 +146,11 @@ table(
 
 # %%
 number = np.unique(np.geomspace(1, 1000, 40).astype(int))
-colours = dict(zip(KINDS, (palette.SEQUENCE[5], palette.SEQUENCE[6], palette.SEQUENCE[0]), strict=True))
 with plots.style():
     axes = Figure(figsize=(7.2, 3.2)).subplots()
     for kind, (trained, stored) in zip(KINDS, zip(memory[0::2], memory[1::2], strict=True), strict=True):
-        axes.plot(number, number * trained.counted, color=colours[kind], label=f"{kind}, control points")
-        axes.plot(number, number * stored.counted, color=colours[kind], linestyle=":", label=f"{kind}, 50 phases")
+        axes.plot(number, number * trained.counted, color=palette.ADAPTERS[kind], label=f"{kind}, control points")
+        axes.plot(number, number * stored.counted, ":", color=palette.ADAPTERS[kind], label=f"{kind}, 50 phases")
     axes.set(xscale="log", yscale="log", xlabel="styles (count)", ylabel="memory of the styles (MiB)")
     axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.3))
 alt = "Memory of the styles grows in proportion to their number: full adapters with stored phases reach 50 GiB at 1000."

@@ -90,7 +90,8 @@ Markdown(
 trials = try_measures(first, held)
 kept = kept_measures(trials)
 dropped = [name for name in MEASURES if name not in kept]
-alt = "Rank correlation of nine measures with the degree of eight kinds of damage to recorded walks."
+damages = len(next(iter(trials.values())))
+alt = f"Rank correlation of {len(trials)} measures with the degree of {damages} kinds of damage to recorded walks."
 figure(damage_map(trials, UNITS), figures / "14_measuring_style-damage.png", alt)
 
 # %%
