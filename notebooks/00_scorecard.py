@@ -29,6 +29,7 @@ from matplotlib.figure import Figure
 
 from stylephase.report import palette, plots, scorecard
 from stylephase.report.claims import read_claims, read_records
+from stylephase.report.made import admitted
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 
@@ -120,6 +121,12 @@ for record in others:
     cells = [facts["dataset"], facts["preset"], len(record.results), f"{facts['wall_s'] / 60:.1f}", facts["device"]]
     lines.append(f"| {catalogue.notebooks[record.notebook]} | " + " | ".join(map(str, cells)) + " |")
 Markdown("\n".join(lines) if others else "No other notebook has recorded anything yet.")
+
+# %% [markdown]
+# Each is kept with a digest of the code and data that made it. Those that are older, because their trainings take long:
+
+# %%
+Markdown(scorecard.older(admitted(ROOT)) or "None is older than its code or data.")
 
 # %% [markdown]
 # ## Every claim

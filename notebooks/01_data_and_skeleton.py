@@ -93,7 +93,7 @@ table(
 # ## Frames to learn from, and frames kept back
 #
 # Of each style and gait a tenth of the files, or of each file where there are few, is for validation and a tenth for
-# the test. Between two parts of one file half a second is lost, since neighbouring frames are nearly copies.
+# the test, with half a second between two parts of one file.
 
 # %%
 entries, counts = [entry for entry, _ in moving], [length for _, length in moving]
@@ -184,8 +184,7 @@ table(
 # ## The skeleton, and what its joints are for
 #
 # Joints get their roles from their names and the tree; where a file's joint frames run along the bones, orientations
-# are measured against the rest pose drawn here. A skeleton that does not stand when nothing is rotated has the mean
-# pose of a take of each style, made symmetric. Left is blue, right is orange.
+# are measured against the rest pose drawn here. Left is blue, right is orange.
 
 # %%
 body = body_of(catalogue)
@@ -376,7 +375,7 @@ Image(figures / "01_data_and_skeleton-fig2.png", alt=alt)
 # %% [markdown]
 # ## What a few seconds of the paper's own data say
 #
-# Some facts about the capture can be read off any file of 100STYLE: here the style Neutral, where it is at hand.
+# Some facts about the capture can be read off any file of 100STYLE: here the style Neutral.
 
 # %%
 original = datasets()["100style"]
@@ -407,8 +406,7 @@ table(
 # ## What cannot be told here
 #
 # That Drunk never repeats itself, that Drag Right Leg differs between its sides and that the arms of Wild Arms keep
-# their own time are statements about takes that are not at hand; the published list marks two of them so, which is no
-# measurement. The size of the capture area is a fact about a room.
+# their own time are statements about takes that are not at hand. The size of the capture area is a fact about a room.
 
 # %% [markdown]
 # ## The record

@@ -75,8 +75,8 @@ recorder = Recorder(
 # ## A walker whose phases are known
 #
 # Nobody knows the true phase of a person. The synthetic walker's are part of its formula: a foot's is 0.25 in the
-# middle of its contact, a hand's where it is furthest forward. Each of its styles goes straight ahead for eight seconds
-# and is read as if it were a recorded person.
+# middle of its contact, a hand's where it is furthest forward. Each of its styles goes straight ahead for eight
+# seconds.
 
 
 # %%
@@ -100,9 +100,8 @@ INSIDE = slice(60, -60)
 #
 # > Many styles have no global phase: their joints move with timings and speeds of their own ([M22] 4.1.1).
 #
-# The global phase is 0 where the right foot comes down and a half cycle where the left one does. If one phase is
-# enough, it tells how far forward a hand is. In the plain walk it does; the arms of `OffbeatArms` keep a beat of their
-# own.
+# The global phase is 0 where the right foot comes down and a half cycle where the left one does. Does it tell how far
+# forward a hand is? The arms of `OffbeatArms` keep a beat of their own.
 
 
 # %%
@@ -144,9 +143,9 @@ table(
 # > A foot is in contact while a ball of 1 cm at its bone meets the floor and the bone is slower than 0.15 m/s; both
 # > numbers may be changed for a motion ([M22] 4.1.2). The source function is 1 in contact, else 0.
 #
-# Height counts from the take's own floor, and each data set has a rule of its own, since recorded toes roll and tremble
-# and running ones hardly stop. A toe has to be slow on the way to a frame and on the way from it; looking only back, as
-# the authors did, ends every contact late.
+# Height counts from the take's own floor, and each data set has a rule of its own, since recorded toes roll and
+# tremble. A toe has to be slow on the way to a frame and on the way from it; looking only back, as the authors did,
+# ends every contact late.
 
 # %%
 rules = {name: entry.contact for name, entry in datasets().items()}
@@ -234,9 +233,8 @@ side_by_side(drawn, "directions", three)
 # %% [markdown]
 # What to look for: the arrow lies along the path and points forward; where the hands hardly move it is short.
 #
-# Checks, on the walker. Dividing each axis by its spread first would turn the direction. And the sign matters: arms
-# that swing against each other are half a cycle apart, those of a hopper swing together; with one arrow turned round,
-# each would pass for the other.
+# Checks, on the walker. Dividing each axis by its spread first would turn the direction. And with one arrow turned
+# round, arms that swing against each other would pass for arms that swing together.
 
 
 # %%
@@ -307,9 +305,9 @@ figure(
 # > The phase feature is the pair sine and cosine of the phase, times the fitted amplitude, times the speed of the bone
 # > over a window of a second ([M22] Eq. 1).
 #
-# The paper prints a mean over a second, the authors' code takes the largest speed within one period of the fit:
-# `PhaseVariant` has both. Check: the feature is what Eq. 1 says. Only this factor keeps a still hand quiet, since the
-# normalisation blows its trembling up to full size.
+# The paper prints a mean over a second, the authors' code takes the largest speed within one period of the fit. Check:
+# the feature is what Eq. 1 says. Only this factor keeps a still hand quiet, since the normalisation blows its trembling
+# up to full size.
 
 # %%
 local = take.local
@@ -520,9 +518,8 @@ table(
 #
 # The paper and the release normalise over one second. A foot of a slow walk stands longer than that: the window then
 # holds nothing but ones, their z-score is zero, and the phase jumps. So `adaptive` first finds the tempo of each
-# source, plays it so that every cycle lasts one second, and applies the release's recipe to that, with the sinusoid
-# fitted over a whole cycle. Each dot is a style; the height is the share of frames in which a foot's phase is wrong by
-# more than 0.15 cycles.
+# source, plays it so that every cycle lasts one second, and applies the release's recipe to that. Each dot is a style;
+# the height is the share of frames in which a foot's phase is wrong by more than 0.15 cycles.
 
 
 # %%
@@ -552,7 +549,7 @@ figure(
 )
 
 # %% [markdown]
-# Check: with a window of one cycle hardly a frame is wrong at any length. Our networks are trained on `adaptive`.
+# Check: with a window of one cycle hardly a frame is wrong. Our networks are trained on `adaptive`.
 
 # %%
 lengths = np.array([cycle[name] for name in ordered])
@@ -572,7 +569,7 @@ table(
 # ## On this data set
 #
 # Of recorded people no truth is known, but in a walk the feet are half a cycle apart, steps alternate, and phases run
-# forwards. One forward walk of each style, or its first take where none is named a walk.
+# forwards. One walk of each style:
 
 
 # %%
@@ -638,9 +635,9 @@ Markdown(f"median {near:.2f}, a quarter of the hands below {np.percentile(shares
 #
 # The authors' labels were never released, but their network was, and it predicts the phases of the next frame. It walks
 # straight ahead in every style that walks, and our phases are read from its hands and feet; or it is shown recorded
-# frames of `Neutral`, only its phases being its own. They count where their magnitude is above 0.5 m/s. Nothing was
-# chosen on the generated styles reported here; the contact rule of recorded 100STYLE was chosen with the two recordings
-# in view. A pair is one hand or foot of one style.
+# frames of `Neutral`. Its phases count where their magnitude is above 0.5 m/s. Nothing was chosen on the generated
+# styles; the contact rule of recorded 100STYLE was chosen with the two recordings in view. A pair is one hand or foot
+# of one style.
 
 
 # %%
@@ -743,13 +740,11 @@ table(
 )
 
 # %% [markdown]
-# The network was taught by labels of half-second windows and is nearer to `release` where cycles are short; `adaptive`
-# is nearer to the truth of the walker above. A hand that draws a small round path has no clear direction: the phase
-# then runs with theirs, some way ahead or behind.
+# The network was taught by labels of half-second windows and is nearer to `release` where cycles are short. A hand that
+# draws a small round path has no clear direction: the phase then runs with theirs, some way ahead or behind.
 
 # %% [markdown]
-# The magnitude says how much an effector moves. Under `release` it should be theirs, style by style. Their search stops
-# short of the optimum's amplitudes, for which our ridge stands.
+# The magnitude says how much an effector moves. Under `release` it should be theirs, style by style.
 
 
 # %%
@@ -791,8 +786,7 @@ generated_fig4("HandsInPockets")
 # %% [markdown]
 # ## All gaits of recorded people
 #
-# Up to three takes of every style and gait of `bandai-namco`. Half a second at either end of a take does not count for
-# the feet, since a window of a second reaches past it.
+# Up to three takes of every style and gait of `bandai-namco`, without half a second at either end.
 
 # %%
 gaits = {}
@@ -871,8 +865,8 @@ assert shrunk[:, 0].max() < 0.95 and np.abs(shrunk[:, 1] - 1).max() < 0.15
 # %% [markdown]
 # ## How fast
 #
-# Rivals take turns in one run, on one core. For the whole of 100STYLE, of four million frames and four limbs, the time
-# is extrapolated from takes of the walker, for the search from a single fit.
+# Rivals take turns in one run, on one core. The time for the four million frames of 100STYLE is extrapolated from takes
+# of the walker, for the search from a single fit.
 
 # %%
 speeds = phase_rows()

@@ -17,8 +17,7 @@
 # Paper: [M22], Section 4 (Fig. 3), Table 2 and Section 5.3.1. Time: 1 minute.
 #
 # The paper's seven networks differ in two things only: what decides how the weights are blended, and how the style
-# enters. Both are small parts here, so every model is put together from the same layer. What does each cost, in
-# parameters and in time, and is the table right?
+# enters. What does each cost, in parameters and in time, and is the table right?
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run, without effect here
@@ -73,8 +72,7 @@ MODELS = {name: built(name, widths, STYLES) for name, widths in WIDTHS.items()}
 # > A gating network blends expert weights, a style network makes scales and shifts, and layer normalisation stands
 # > before them ([M22] 4, Fig. 3).
 #
-# `models/synthesis.py` has the layers, `models/experts.py` and `models/spline.py` the gates, `models/modulators.py` the
-# ways a style enters, `models/zoo.py` the list below.
+# Every model is put together from the same layer, a gate and a modulator (`models/`).
 
 # %%
 rows = []
@@ -191,7 +189,7 @@ table(
 
 # %% [markdown]
 # All but one number are right to the last digit. The printed size of the style network takes each convolution as a
-# dense layer from 256 to 25, without the channels that come in.
+# dense layer from 256 to 25.
 #
 # Where the parameters are, in training, and what one style keeps:
 
@@ -213,7 +211,7 @@ figure(left, figures / "03_models_and_costs-budget.png", alt)
 
 # %% [markdown]
 # FiLM has by far the largest style network and keeps the least, since its output can be stored. An adapter has to be
-# kept whole, since what goes into it changes with every frame. So with many styles the order turns round.
+# kept whole, so with many styles the order turns round.
 
 # %%
 number = np.unique(np.geomspace(1, 1000, 60).astype(int))
@@ -246,9 +244,9 @@ table(("adapter of", "share that a stored vector misses"), *((name, f"{share:.2f
 # ## Table 2: time of a frame
 #
 # One thread, one character, five runs in which the models take turns, by the clock of the processor. The PFNN keeps its
-# weights at 50 phases, as in both papers. Times of two machines cannot be compared, but ratios can, each model's time
-# over that of PFNN one-hot, and the order of the seven. A ratio is reproduced where it lies within two joint deviations
-# of the printed one, of which ours may be a twentieth of the ratio.
+# weights at 50 phases, as in both papers. Times of two machines cannot be compared, but ratios to PFNN one-hot can, and
+# the order of the seven. A ratio is reproduced where it lies within two joint deviations of the printed one, of which
+# ours may be a twentieth of the ratio.
 
 # %%
 REFERENCE = "pfnn-onehot"
@@ -302,13 +300,12 @@ places = ", ".join(f"{slow} before {fast}" for fast, slow in pairs) or "none"
 Markdown(f"rank correlation {correlation:.2f}; pairs that change places: {places}")
 
 # %% [markdown]
-# Every PFNN is faster than every network of eight experts, as in print. Within a group the order is another: in print
-# FiLM costs much more than one-hot, here about as much, since a style's column is stored with the biases and the
-# vectors of FiLM are few.
+# Every PFNN is faster than every network of eight experts, as in print. In print FiLM costs much more than one-hot,
+# here about as much, since its vectors are few.
 
 # %% [markdown]
-# Part of the PFNN's lead is its stored phases, which no gate of eight numbers allows. How much? The PFNN with its
-# spline evaluated in every frame:
+# Part of the PFNN's lead is its stored phases, which no gate of eight numbers allows. The PFNN with its spline
+# evaluated in every frame:
 
 # %%
 network = build_synthesis("pfnn-onehot", WIDTHS["pfnn-onehot"], STYLES, NetworkSettings()).eval()
@@ -324,7 +321,7 @@ Markdown(f"evaluating the spline in every frame takes {spline_factor:.1f} times 
 # ## The released network
 #
 # Where the authors' LPN-FiLM is at hand, our network with its weights is compared with a plain form in NumPy, and all
-# its styles are asked to walk, from the mean pose, with the demonstration's settings.
+# its styles are asked to walk.
 
 # %%
 at_hand = {where(released_weights()["lpn-release"]), where(find_dataset("100style"))} <= {"cache", "mirror"}
@@ -349,14 +346,12 @@ lines = [
 table(heads, *lines, (f"do not walk: {', '.join(faulty) or '-'}", "", "", "", ""))
 
 # %% [markdown]
-# Drunk's stored code is broken, as the release says itself. The other three hop; from a standing start, without the run
-# button, they glide.
+# Drunk's stored code is broken, as the release says itself. The other three hop; from a standing start they glide.
 
 # %% [markdown]
 # ## How fast ours is
 #
-# Each time stands beside a reference of the same run. The first rows are of training, the others of one frame of a
-# character.
+# Each time stands beside a reference of the same run: training first, then one frame of a character.
 
 # %%
 rows = {row.name: row for row in (*training_rows(), *frame_rows())}
@@ -366,8 +361,8 @@ table(
 )
 
 # %% [markdown]
-# A network of eight experts is read from memory in every frame, and the reference "to the floor" does nothing but read
-# as many numbers. No form in single precision can be faster; weights of 8 bits can.
+# A network of eight experts is read from memory in every frame; the reference "to the floor" only reads as many
+# numbers. No form in single precision can be faster; weights of 8 bits can.
 
 # %% [markdown]
 # ## What was recorded

@@ -17,8 +17,8 @@
 # Paper: [M22], Section 4.3 (training) and 4.4 (the character moves). Time: preset quick 1 minute, preset cpu 4 minutes,
 # after a training of 1 and 30 minutes.
 #
-# The network learns one step, from this frame to the next. Does that make a character who walks? The error of a step is
-# measured beside predictors that know nothing of style, and every style walks for twenty seconds.
+# The network learns one step, from this frame to the next. Does that make a character who walks? The error of a step
+# stands beside predictors that know nothing of style, and every style walks for twenty seconds.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the network was trained on
@@ -65,9 +65,8 @@ Markdown(f"{len(runs)} runs, seeds {seeds}, on `{about['data']}` ({about['origin
 #
 # > The loss is the squared error of all outputs plus a term for the length of the bones ([M22] Eq. 5).
 #
-# The first part compares normalised vectors, the second metres. To fit half an hour of a laptop, the preset `cpu`
-# differs from the paper in two things: one pass of the style generator serves four steps of the network, and the
-# rectifiers leak, since plain ones died within minutes and gave all styles one code.
+# To fit half an hour of a laptop, the preset `cpu` differs from the paper in two things: one pass of the style
+# generator serves four steps of the network, and the rectifiers leak, since plain ones died within minutes.
 
 # %%
 how = PRESETS[about["preset"]]
@@ -101,8 +100,8 @@ Markdown(f"Tensors that change: {changed}. Largest difference from Eq. 5: {loss_
 # ## How it went
 #
 # Training error is measured with dropout, validation error without. The factor of a wrong code says by how much the
-# error grows when a style gets another style's code: at 1 the code would be ignored. What to look for: the last stretch
-# should be nearly flat.
+# error grows with another style's code: at 1 the code would be ignored. What to look for: the last stretch should be
+# nearly flat.
 
 # %%
 # Takes of less than four seconds only train: of a data set of nothing else there is no error but that of training.
@@ -131,8 +130,8 @@ Markdown("\n".join(lines))
 # ## One step ahead, beside predictors that know nothing
 #
 # On test frames that no training saw. `hold` keeps the pose and goes on along the trajectory, `mean` always says the
-# mean, `ridge` is one linear regression for all styles, `untrained` is the network as it was drawn, `dropout` is ours
-# with dropout left on, as in the authors' test, `wrong code` is ours with codes of other styles.
+# mean, `ridge` is one linear regression for all styles, `untrained` is the network as drawn, `dropout` has dropout left
+# on, as in the authors' test, `wrong code` has codes of other styles.
 
 # %%
 groups = groups_of(load_catalogue(dataset).styles)
@@ -163,17 +162,16 @@ def one_step_picture() -> Image | Markdown:
 one_step_picture()
 
 # %% [markdown]
-# Linear regression beats the network by far. It sees the whole previous pose, which tells the style; the network
+# Linear regression beats the network by far: it sees the whole previous pose, which tells the style. The network
 # learned with part of its input dropped and must use the code. The rollouts show what that buys.
 
 # %% [markdown]
 # ## Twenty seconds of walking
 #
-# Each style starts in a pose of its own data and walks straight on, at the gain with which it reaches its data's
-# walking speed. Then it turns by 90 degrees to either side, and is told to stop. Nothing corrects the network: no
-# inverse kinematics, no foot locking. `!` marks feet that do not alternate. The nearest real style is found by the
-# means and deviations of joint positions and velocities; below the table, how often that is right on held-out clips of
-# real motion.
+# Each style starts in a pose of its own data and walks straight on, at the gain with which it reaches its data's speed.
+# Then it turns by 90 degrees to either side, and is told to stop. Nothing corrects the network. `!` marks feet that do
+# not alternate. The nearest real style is found by the means and deviations of joint positions and velocities; below
+# the table, how often that is right on held-out real clips.
 
 # %%
 Markdown(summary(results[0]))

@@ -104,8 +104,7 @@ Markdown("; ".join(f"{case.name}: {', '.join(case.walked)}" for case in cases))
 # > Where a style has no clear single phase, the hands get stuck or do some average pose ([M22] 5.1.1).
 #
 # The hands' paths, seen from the hips, are regressed on the phase of the feet's contacts: `tied` is the share of the
-# movement that is explained, less what chance explains. Null model: a phase that runs at 0.65 of the tempo. Beside it
-# how far hands move from their mean place, and their strongest frequency against the steps'.
+# movement that is explained, less what chance explains. Null model: a phase at 0.65 of the tempo.
 
 
 # %%
@@ -222,7 +221,7 @@ table(("data", "style", "LPN FiLM less", *KINDS), *rows)
 # %% [markdown]
 # What to look for: differences above zero are LPN's advantage. All walks of a model share one training, so the
 # intervals say nothing of another seed. Null models: a body held still has no amplitude, recorded frames in random
-# order have the amplitude and not the frequency, and hands that go with the steps have no free amplitude.
+# order have no frequency, and hands that go with the steps have no free amplitude.
 
 # %%
 nulls = []

@@ -77,10 +77,9 @@ Markdown(f"Seed 0 of {', '.join(models)} on `{dataset}` ({find_dataset(dataset).
 # > The user may choose three styles, and their FiLM parameters are blended by the place in a triangle ([M22] 4.4).
 #
 # A walk becomes a point: means and deviations of joint positions and velocities, in coordinates in which a style's own
-# clips vary alike every way (`evaluation/style.py`). `along` is where the walk of a blend lies on the line between the
-# pure walks, 0 at the first and 1 at the second. An even blend gains a tenth with each tenth of the second style; a
-# switch gains everything at once. Pairs are of the group of styles with the most data. The steering's gain is blended
-# as the codes are.
+# clips vary alike every way. `along` is where the walk of a blend lies on the line between the pure walks, 0 at the
+# first and 1 at the second. An even blend gains a tenth with each tenth of the second style; a switch gains everything
+# at once. The steering's gain is blended as the codes are.
 
 # %%
 group = max(groups_of(film.styles).values(), key=lambda names: sum(len(styles[name].x) for name in names))
@@ -162,9 +161,9 @@ Markdown(
 # %% [markdown]
 # ## Does it stay with the first style?
 #
-# Between two styles neither is the first, unless the character remembers where it began. So: the share at which half
-# the way is made, by characters that begin as the first style and as the second. At 0.5 the start is forgotten.
-# `disagreement` is the mean distance between the two.
+# Only a character that remembers where it began can stay with it. So: the share at which half the way is made, by
+# characters that begin as either style. At 0.5 the start is forgotten. `disagreement` is the mean distance between the
+# two.
 
 
 # %%
@@ -210,8 +209,7 @@ Markdown(
 # %% [markdown]
 # ## Three styles at once
 #
-# Fifteen points of a triangle of styles. Lines lead from what was asked for to where the walks come out, in the plane
-# of the three pure walks.
+# Lines lead from what was asked for to where the walks come out, in the plane of the three pure walks.
 
 # %%
 trio = pick(group, 3)
@@ -246,8 +244,8 @@ Markdown(
 # %% [markdown]
 # ## What the authors' codes do
 #
-# The release has FiLM codes of a hundred styles, with the pair of Fig. 8 among them. Its data are not at hand, so the
-# style space is made of its own pure walks: this tells how even its blends are, not how good its styles.
+# The release has FiLM codes of a hundred styles, with the pair of Fig. 8 among them. The style space is made of its own
+# pure walks: this tells how even its blends are, not how good its styles.
 
 
 # %%

@@ -120,8 +120,8 @@ Markdown(
 # ## The error of a step, before and after
 #
 # On test frames of the new styles. `before` has the code that the generator gives without having learned the style,
-# `best known` the code of the known style that fits the validation frames best, `wrong` the mean over all known styles.
-# `ridge` is one linear regression fitted to the new styles' own training frames.
+# `best known` the best code of a known style, `wrong` the mean over all known styles. `ridge` is one linear regression
+# fitted to the new styles' training frames.
 
 # %%
 rivals = {"ridge": fit_ridge(new, base.normaliser), "hold": predict_hold(base.layout, base.normaliser)}
@@ -213,9 +213,9 @@ Image(figures / "08_new_styles-codes.png", alt=alt)
 # %% [markdown]
 # The picture is t-SNE, whose distances mean little; the numbers above are the measure.
 #
-# The stored codes of known styles stay, and so does their motion. But a generator that learned one style alone may give
-# its code whatever clip it is shown: below, how many clips of known styles it would still place right. So `after,
-# together` is the fairer row above.
+# The stored codes of known styles stay. But a generator that learned one style alone may give its code whatever clip it
+# is shown: below, how many clips of known styles it would still place right. So `after, together` is the fairer row
+# above.
 
 # %%
 again = {name: codes_of_clips(tuned.bundle, known) for name, tuned in alone.items()}

@@ -6,7 +6,7 @@
 # The weights of the network of 2018 change with one number, the phase: 0 where the right foot comes down, pi where the
 # left one does. How do the weights follow it, and how well is it read without a person who looks at every step? With
 # the data set `pfnn` this is asked of hand-labelled takes and trained weights (Holden, Komura and Saito 2017, for
-# academic and non-commercial use), else of the synthetic walker alone.
+# academic and non-commercial use).
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set to look at; pfnn for hand labels and trained weights
@@ -216,13 +216,12 @@ table(
 
 # %% [markdown]
 # What to look for: contacts give the phase within 0.04 cycles in every style, in the median. The fitted phase blurs
-# every stop, and in the slowest styles a second is less than a cycle. `HopOnRight` has no such phase and is left out.
+# every stop. `HopOnRight` has no such phase and is left out.
 #
 # ### Against labels made by hand
 #
-# Two takes of Holden's. The labels skip steps, and some "half cycles" last for several steps, so only half cycles of at
-# most a second are counted. The mirrored copy of one take (`NewCaptures10`) was labelled anew, so that two sets of
-# labels of one motion can be compared.
+# Two takes of Holden's. The labels skip steps, so only half cycles of at most a second are counted. The mirrored copy
+# of one take (`NewCaptures10`) was labelled anew, so that two sets of labels of one motion can be compared.
 
 # %%
 rule = datasets()["pfnn"].contact
@@ -268,10 +267,9 @@ shown
 
 # %% [markdown]
 # What to look for: contacts stay below the bounds, 0.07 for the median and 0.15 for the ninth decile; a constant rate,
-# although it knows the labels' mean rate, does not. `NewCaptures10` leads over rough ground, where a foot that had to
-# be near the floor would miss most contacts, so this data set's rule asks for speed alone. Its speed was chosen with
-# these takes in view; half and nearly twice of it serve as well. The fitted phase is as good where steps follow one
-# another and worse where single steps stand between rests.
+# although it knows the labels' mean rate, does not. `NewCaptures10` leads over rough ground, so this data set's rule
+# asks for speed alone. That speed was chosen with these takes in view; half and nearly twice of it serve as well. The
+# fitted phase is worse where single steps stand between rests.
 #
 # Some seconds of that take:
 
@@ -308,13 +306,12 @@ shown
 
 # %% [markdown]
 # What to look for: the dashed line has its zero where a bar of the right foot begins, the black label a little later.
-# From 10.1 to 11.5 s the label skips two steps: such stretches do not count. Spikes in the speeds are faults of the
-# capture.
+# From 10.1 to 11.5 s the label skips two steps: such stretches do not count.
 #
 # ### Why labels come late, and how noisy they are
 #
 # Each label of 0 or pi with which a counted half cycle begins is compared with moments of its own step: the end of the
-# ankle's fall, which is about the heel's strike; the toe's first frame below a speed; the middle of the stance.
+# ankle's fall, about the heel's strike; the toe's first frame below a speed; the middle of the stance.
 
 # %%
 LIMITS = (0.3, 0.1, 0.05, 0.02)
@@ -373,10 +370,9 @@ if labelled:
 shown
 
 # %% [markdown]
-# What to look for: the labels of both takes stand, nearly to the frame, where the toe is first slower than 0.02 m/s,
-# well after the heel struck and before the middle of the stance. So the labels mean a foot that rests, ours one that
-# lands, and the offset is no error of either. A resting toe trembles, so that first frame is partly chance. The
-# mirrored copy was labelled at a higher speed, and needs hardly any offset.
+# What to look for: the labels of both takes stand, nearly to the frame, where the toe is first slower than 0.02 m/s. So
+# they mean a foot that rests, ours one that lands, and the offset is no error of either. A resting toe trembles, so
+# that first frame is partly chance.
 #
 # How well do two sets of labels of one motion agree?
 
@@ -447,9 +443,9 @@ Markdown(f"layers {shapes}; largest difference {fig2_off:.1e}, a tenth of a cycl
 # > 12 points of the trajectory, one in ten frames, and 31 joints make 234 values; 400 come out ([M18] 5.1).
 #
 # A place and a facing for each point, position and velocity for each joint; out come the six points from the present
-# on, position, velocity and two axes for each joint, the change of phase, and the root's step and turn. With both ends,
-# from 60 frames before to 60 after, there would be 13 points and 238 values. The released network has the same points:
-# near the root, its mean places lie as far apart as the root goes in ten frames.
+# on, position, velocity and two axes for each joint, the change of phase, and the root's step and turn. With both ends
+# there would be 13 points and 238 values. The released network has the same points: near the root, its mean places lie
+# as far apart as the root goes in ten frames.
 
 # %%
 points, ahead = len(holden.SAMPLES), len(holden.FUTURE_SAMPLES)

@@ -16,8 +16,8 @@
 #
 # Paper: [M18], Sections 3.2, 6 and 7.1, Table 1. Time: 1 minute.
 #
-# A style is a small network beside the big one. How small may it be? The paper compares a full matrix, a diagonal, and
-# a CP decomposition. Here are their form, memory, time and training; what they learn is told in notebook 12.
+# A style is a small network beside the big one: a full matrix, a diagonal, or a CP decomposition. How small may it be?
+# Here are form, memory, time and training; what adapters learn is told in notebook 12.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run, without effect here
@@ -71,8 +71,8 @@ def judge(identifier: str, holds: bool, note: str = "", **measured) -> str:
 # > An adapter adds a linear map of a layer's input to its output ([M18] Eq. 2); every weight depends on the phase (Eq.
 # > 4).
 #
-# An adapter in `models/modulators.py` is an ordinary layer that the spline blends. So the second layer with an adapter
-# is the second layer with other weights, and with all adapters at zero it is the second layer.
+# So the second layer with an adapter is the second layer with other weights, and with all adapters at zero it is the
+# second layer.
 
 # %%
 torch.manual_seed(0)
@@ -94,8 +94,8 @@ Markdown(f"an adapter against added weights: {beside_off:.1e}; all adapters at z
 #
 # > `W(p) = A D(p) B^T`; only the diagonal depends on the phase ([M18] 7.1).
 #
-# The factors are the parameters; no matrix is ever decomposed. The full matrix at the control points gives the same
-# outputs, and has at most the rank of the factors.
+# The factors are the parameters. The full matrix at the control points gives the same outputs, and has at most the rank
+# of the factors.
 
 # %%
 layer = CpLayer(4, 32, 32, 5, bias_points=4).double()
@@ -135,8 +135,7 @@ table(
 
 # %% [markdown]
 # So the paper's MB are MiB. The decomposed adapter at control points is one unit off in the last place. Both its
-# numbers fit a bias with four control points that is not stored for every phase; the 2022 paper counts one bias
-# instead.
+# numbers fit a bias with four control points that is not stored for every phase.
 
 # %%
 text = shares()
@@ -161,8 +160,8 @@ Image(figures / "11_residual_adapters.png", alt=alt)
 # %% [markdown]
 # ## Table 1: time of a frame
 #
-# One thread, weights at 50 phases, by the clock of the processor, five runs. The times in print include some of the
-# editor, so the ratio to the diagonal adapter says more than the milliseconds.
+# One thread, weights at 50 phases, by the clock of the processor, five runs. The printed times include some of the
+# editor, so the ratio to the diagonal adapter says more.
 
 # %%
 PRINTED = {"pfnn-full": 1.3, "pfnn-diag": 1.0, "pfnn-cp": 1.1}
@@ -185,9 +184,8 @@ Markdown(f"decomposed in whole: {speed_up:.1f} times as fast")
 # %% [markdown]
 # ## The network of Fig. 4
 #
-# Checks on the module that is trained, with eight base styles: which hidden layers change with the style alone, what
-# has to be told for a frame, which parameters of an adapter a gradient reaches, and how many sets of weights serve a
-# thousand phases around the circle.
+# Checks with eight base styles: which hidden layers change with the style alone, what has to be told for a frame, which
+# parameters of an adapter a gradient reaches, and how many sets of weights serve the circle of phases.
 
 # %%
 base = build("pfnn-cp", WIDTHS_2018, 8, NetworkSettings())
@@ -219,9 +217,8 @@ table(
 # > of the eight styles (Eq. 5).
 #
 # Eight styles of the walker. Eq. 3: the slope of its L1 terms at each weight is the sign of the weight times 0.01, over
-# the number of weights of that kind (a mean, as in the release, where the paper prints the norm). Eq. 5: the gradient
-# of the error over frames of all styles at once is the mean of the gradients style by style, which the steps take one
-# after the other.
+# the number of weights of that kind (a mean, as in the release). Eq. 5: the gradient over all styles at once is the
+# mean of the gradients style by style.
 
 # %%
 catalogue = load_catalogue("synthetic", load_catalogue("synthetic").styles[:8])

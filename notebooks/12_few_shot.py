@@ -17,9 +17,8 @@
 # Paper: [M18], Sections 6, 7, 8.1 and 9.1, Figs. 1, 5, 6, 7, Tables 1 and 2. Time: preset quick half a minute, preset
 # cpu a quarter of an hour, after the training of two bases.
 #
-# A network that knows some styles learns another from one walk of a few seconds. The paper shows the result in a video.
-# Here each new style has other takes, of the same person in the same style on other ways, which nobody learns from:
-# what the network makes of their paths is held against them.
+# A network that knows some styles learns another from one walk of a few seconds. Each new style has other takes here,
+# on other ways, which nobody learns from: what the network makes of their paths is held against them.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the styles
@@ -122,9 +121,8 @@ Markdown(
 #
 # > Fifty styles with 55 to 2,241 frames and 1 to 25 cycles of walking ([M18] 5.2, Table 2).
 #
-# Of each style the straightest five seconds of its first walk, and of those whole cycles, from one coming down of a
-# foot to the next. A symmetric style is learned with its mirror image too. Distance is that of the mean cycle from the
-# nearest base style's.
+# Of each style the straightest five seconds of its first walk, cut to whole cycles. A symmetric style is learned with
+# its mirror image too. Distance is that of the mean cycle from the nearest base style's.
 
 # %%
 counts = {s.name: (len(s.cycles.rows()), len(s.cycles)) for s in study.styles}
@@ -174,9 +172,9 @@ table(
 #
 # > All is frozen but a new adapter, with dropout in front of it ([M18] 7).
 #
-# A way to learn is an adapter, its dropout and its L1 weight; every way learns all styles. The rivals train a whole
-# PFNN for each style: on the clip alone, or from the neutral base on. The null models are no learning at all: the
-# base's own neutral adapter, and none (`average`).
+# A way to learn is an adapter, its dropout and its L1 weight. The rivals train a whole PFNN for each style: on the clip
+# alone, or from the neutral base on. The null models learn nothing: the base's own neutral adapter, and none
+# (`average`).
 
 # %%
 ways = {
@@ -222,9 +220,8 @@ table(heads, *(row_of(one) for one in (again, *found.values())))
 
 # %% [markdown]
 # Median over styles with its interval, the mean of errors up to a metre, then the median by gait, of the mean distance
-# of joints over a cycle, phase aligned. A network is led along the recorded path from the take's first pose; the first
-# second does not count. `the clip again` repeats the clip's mean cycle whatever the path: a network that is worse has
-# learned nothing of other ways.
+# of joints over a cycle, phase aligned. A network is led along the recorded path from the take's first pose. `the clip
+# again` repeats the clip's mean cycle: a network that is worse has learned nothing of other ways.
 
 # %%
 rng = np.random.default_rng(0)
@@ -256,8 +253,8 @@ Markdown(
 # > itself keeps more detail but generalises badly (9.3).
 #
 # Do statistics carry style? The mean pose of an unseen walk, normalised as the base is, is held against those of the
-# clips. What own statistics gain is the share of movement above 5 Hz along the clip, over the clip's own; what they
-# cost is in the table above.
+# clips. What own statistics gain is the share of movement above 5 Hz that is kept; what they cost is in the table
+# above.
 
 # %%
 BASES, OWN = "the base's", "the clip's own"
@@ -319,8 +316,8 @@ Markdown(
 # > Rivals match the clip's path and break on others (Fig. 6); a full adapter may not turn left, a diagonal one comes
 # > out average (Fig. 7).
 #
-# Every style walks free, straight on and round circles, at its clip's speed. A walk breaks where bones are off their
-# lengths by more than a tenth, the path is missed by half a metre, the hips are too high or low, or it hardly moves.
+# Every style walks free, straight on and round circles. A walk breaks where bones are off their lengths by more than a
+# tenth, the path is missed by half a metre, the hips are too high or low, or it hardly moves.
 
 # %%
 courses = {
@@ -369,9 +366,8 @@ table(
 #
 # > For some styles a single cycle is there ([M18] 5.2).
 #
-# So it is for Xia's eight styles, where they are at hand. They are carried over from CMU's skeleton by joint name and
-# mean pose; `off` is how far joints then are from where they were, of which the part beside the bodies' proportions is
-# movement.
+# So it is for Xia's eight styles, carried over from CMU's skeleton by joint name and mean pose; `off` is how far joints
+# then are from where they were.
 
 # %%
 xia = dataset == "bandai-namco" and where(XIA) != "nowhere"
@@ -469,9 +465,9 @@ table(
 #
 # > Scarce or far styles need stronger regularisation; L1 weights or fewer factors do about as well ([M18] 7.2).
 #
-# One or all cycles of each clip, which has 5 at the most; dropout of several rates; without dropout, fewer or more
-# factors or a larger L1 weight. The median says how near a style comes, the mean, of errors up to a metre, how often it
-# breaks as well; the change is the distance from the average motion, which nothing learned would leave at zero.
+# All clips are of five seconds at the most, of 2 to 5 cycles, so more cannot be tried. The median says how near a style
+# comes, the mean, of errors up to a metre, how often it breaks as well; the change is the distance from the average
+# motion.
 
 # %%
 rates, amounts = ((0.0, 0.9), (1, None)) if quick else ((0.0, 0.5, 0.9, 0.97), (1, None))
@@ -571,8 +567,8 @@ table(
 # > The rate was chosen for each style by a grid search and by eye; a heuristic may do better ([M18] 7.2).
 #
 # Our rule names one rate below a border, of the number of cycles or of the distance from the base styles, and another
-# above it. Border and rates are made without the style that they are tested on. `one rate` is the best rate of the
-# other styles, `by hindsight` the best of each clip.
+# above it, made without the style that it is tested on. `one rate` is the best rate of the other styles, `by hindsight`
+# the best of each clip.
 
 # %%
 each = [(s, k, c) for c in amounts for k, s in enumerate(study.names)]
@@ -671,9 +667,8 @@ Markdown(
 #
 # > With all adapters at zero the motion is close to a neutral walk, and snaps slightly in quick turns ([M18] 8.1).
 #
-# Its mean cycle on unseen paths against a recorded walk of each base style. Then all of them turn by half a circle at
-# once; a jolt is the largest mean acceleration of the joints, seen from the root, over a tenth of a second, as a
-# multiple of that in as much time on the way straight on.
+# Its mean cycle against a recorded walk of each base style. Then all turn by half a circle at once; a jolt is the
+# largest mean acceleration of the joints over a tenth of a second, as a multiple of that in as much time straight on.
 
 # %%
 average_cycle = np.mean([c for k, c in found["average"].cycles.items() if k[1] in WALKING and c is not None], axis=0)

@@ -18,8 +18,7 @@
 #
 # The rival, Holden, Saito and Komura 2016, gives a finished neutral motion the style of another clip: a motion
 # autoencoder encodes both, and the hidden units of the neutral one are optimised until their Gram matrix over time is
-# that of the style clip. [M18] compares by eye. Here both are measured against real walks of the style that neither the
-# style clip nor the autoencoder holds.
+# that of the clip. Here both are measured against real walks of the style that neither saw.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the styles
@@ -82,7 +81,7 @@ Markdown(
 # ## The material
 #
 # Of each style: one clip of straight walking that shows the style, and other walks to judge by. The autoencoder trains
-# on all takes of all styles but these.
+# on all takes but these.
 
 # %%
 clips = {style: channels_of(materials[style].style, materials[style].clip, layout) for style in materials}
@@ -122,7 +121,7 @@ Markdown(
 #
 # 250 steps of Adam from noise towards the style clip's Gram matrix and the content's hidden units, then steps that also
 # ask for the content's path at the new speed, bones of their length and feet that stand. Twice: with the Gram matrix of
-# the one clip, and with that of all walks that the autoencoder knows of the style.
+# the one clip, and of all walks that the autoencoder knows.
 
 # %%
 settings, anatomy = GramSettings(steps=40, corrections=20) if quick else GramSettings(), anatomy_of(body)
@@ -137,8 +136,8 @@ rich, _ = rival.transfers(network, {straight: contents[straight]}, whole, anatom
 #
 # > A neutral clip is stylised, and the trajectory of the result then drives the controller ([M18] 8.2).
 #
-# The character begins at a frame of the style's data, walks straight on for two seconds, and then is told the coming
-# second of the stylised motion's path at every frame. Only what comes then is judged. The null model goes straight on.
+# The character walks straight on for two seconds, and then is told the coming second of the stylised motion's path at
+# every frame. Only what comes then is judged. The null model goes straight on.
 
 # %%
 styles = [materials[style].style for style in targets]
@@ -162,10 +161,10 @@ figure(paths_plot(shown_paths, ("stylised motion's path", "ours")), figures / "1
 # %% [markdown]
 # ## Which is nearer to real motion of the style?
 #
-# Distance: how far the mean window of two seconds lies from that of the unseen walks, between the styles, in deviations
-# within a style. Other style: windows that the recogniser, which learned all recorded walks, takes for another one.
-# Sliding: speed of the toes near the ground. Two null models must fail: the content unchanged, and the motion with
-# another style's Gram matrix. Median and interval over styles, straight walking.
+# Distance: how far the mean window of two seconds lies from that of the unseen walks, in deviations within a style.
+# Other style: windows that the recogniser, which learned all recorded walks, takes for another one. Sliding: speed of
+# the toes near the ground. Two null models must fail: the content unchanged, and another style's Gram matrix. Median
+# and interval over styles, straight walking.
 
 # %%
 reference = reference_of(store, catalogue.styles)
@@ -249,7 +248,7 @@ Image(figures / "13_gram_style_transfer-turn.png", alt=alt)
 # ## Cost
 #
 # Seconds of one processor for a second of motion of one character, training not counted. The transfer has to know the
-# whole motion before it begins; the controller goes on frame by frame.
+# whole motion before it begins.
 
 # %%
 cost = gram_seconds / ours_seconds

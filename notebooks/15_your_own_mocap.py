@@ -68,7 +68,7 @@ Markdown(f"Folders: {', '.join(folders)}.")
 #
 # As `stylephase inspect FOLDER` tells: joints by name, unit from the length of the legs, gait from where the hips face
 # and go, steps and contacts, and how much of each limb's movement a sinusoid of its phase explains (left hand, right
-# hand, left foot, right foot). `unusable` has a reason that you can mend.
+# hand, left foot, right foot).
 
 # %%
 reports = {kind: own_motion.inspected(path) for kind, path in folders.items()}
@@ -81,8 +81,8 @@ for kind, report in reports.items():
 # ## Learn and walk
 #
 # Where weights of this project know the skeleton, the files become one new style by fine-tuning. Else a small network
-# learns all styles of the folder anew. Then each style walks for eight seconds at the speed of its data, from a pose of
-# its data, with its feet grounded; the first is written as BVH and read back.
+# learns all styles anew. Then each style walks for eight seconds at the speed of its data, with its feet grounded; the
+# first is written as BVH and read back.
 
 # %%
 driven = {kind: own_motion.learn_and_drive(report, working / kind, steps) for kind, report in reports.items()}
