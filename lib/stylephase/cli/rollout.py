@@ -91,7 +91,7 @@ def rollout(
     text = f"{out}: {len(walk.clip)} frames of {style} at {walk.speed:.2f} m/s (asked: {speed:.2f}, "
     text += f"gain {walk.gain:.2f}){_way_text(walk.way, strafe, turn)}"
     if not result["near"]:
-        text += "; these weights do not walk at that speed"
+        text += "; not within 10 % of that speed"
     if not raw and not walk.grounded:
         text += "; not grounded, which is nearer to it"
     emit(result, as_json=as_json, text=text)
