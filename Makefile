@@ -16,7 +16,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help reproduce test lint probe setup clean
+.PHONY: help reproduce figures test lint probe setup clean
 
 help: ## list the commands
 	@sed -n 's/^\([a-z]*\):.*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -28,6 +28,9 @@ reproduce: probe ## run all notebooks on DATASET with PRESET, redoing only what 
 	@PATH=$(abspath $(BIN)):$$PATH flock build/lock snakemake --cores $(CORES) --nolock --rerun-incomplete \
 		--config 'dataset=$(DATASET)' preset=$(PRESET) 2> build/pipeline.log || \
 		{ echo "stylephase: the pipeline stopped; build/pipeline.log tells where" >&2; exit 2; }
+
+figures: probe ## make the committed notebooks and figures again that are older than their code or data
+	@$(BIN)/python -m stylephase.report.fresh make
 
 test: probe lint ## run all checks
 	$(BIN)/python -m pytest

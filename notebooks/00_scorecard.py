@@ -1,19 +1,19 @@
 # %% [markdown]
 # # Where the replication stands
 #
-# Opens the series. Paper: both papers, [M18] and [M22], all sections. Time: a tenth of a minute with every preset.
+# Opens the series. Paper: both papers, [M18] and [M22], all sections. Time: seconds with every preset.
 #
 # **stylephase** rebuilds two papers on the way people walk:
 #
-# * [M18] Mason, Starke, Zhang, Bilen, Komura: *Few-shot Learning of Homogeneous Human Locomotion Styles*, 2018.
-#   A network whose weights turn with the phase of the step learns a new style from a few seconds of motion, through
-#   a small residual adapter.
+# * [M18] Mason, Starke, Zhang, Bilen, Komura: *Few-shot Learning of Homogeneous Human Locomotion Styles*, 2018. A
+#   network whose weights turn with the phase of the step learns a new style from seconds of motion, through a small
+#   residual adapter.
 # * [M22] Mason, Starke, Komura: *Real-Time Style Modelling of Human Locomotion via Feature-Wise Transformations and
 #   Local Motion Phases*, 2022. A hundred styles in one network: each hand and foot has a phase of its own, and a clip
 #   of motion scales and shifts the hidden layers.
 #
-# Every claim, table row and figure of both is listed in `data/claims.toml`, each with the notebook that tests it.
-# That notebook records what it found in `figures/`. This one reads both and shows the balance.
+# `data/claims.toml` lists every claim, table row and figure with the notebook that tests it. This notebook reads what
+# the others recorded.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run whose results are shown
@@ -23,14 +23,14 @@ reproduce_minutes: float = 0.0  # measured duration of make reproduce, 0 when it
 test_minutes: float = 0.0  # measured duration of make test, 0 when it was not measured
 
 # %%
-import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import Markdown
+from IPython.display import Image, Markdown
+from matplotlib.figure import Figure
 
-from stylephase.report import palette, scorecard
+from stylephase.report import palette, plots, scorecard
 from stylephase.report.claims import read_claims, read_records
+from stylephase.report.made import admitted
 from stylephase.report.manifest import ROOT
-from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 
 listed = ROOT / "data" / "claims.toml"
@@ -41,8 +41,7 @@ others = [record for record in read_records(results, catalogue) if record.notebo
 # %% [markdown]
 # ## What this notebook adds
 #
-# Most results come from the other notebooks. Two belong here, since they speak of the whole: how long it takes to run
-# everything, and to check everything, on two cores. They are open until someone has measured them.
+# How long it takes on two cores to run everything, and to check everything.
 
 # %%
 params = {"figures_folder": figures_folder, "reproduce_minutes": reproduce_minutes, "test_minutes": test_minutes}
@@ -59,14 +58,14 @@ records = [recorder.record, *others]
 #
 # | verdict | meaning |
 # |---|---|
-# | reproduced | ours agrees with the paper, within the bounds written down beforehand, on the data the paper used |
-# | reproduced on other data | ours agrees, but the data are others, so the claim holds more widely than it was made |
+# | reproduced | ours agrees, within bounds written down beforehand, on the data of the paper |
+# | reproduced on other data | ours agrees, but the data are others |
 # | differs | ours does not agree; the reason stands beside it |
-# | not testable here | we cannot tell; what it would take stands beside it |
-# | open | no notebook has looked at it yet |
+# | not testable here | what it would take stands beside it |
+# | open | not tested yet |
 #
-# A verdict on a number is computed from bounds in `data/claims.toml`. A number without bounds, or a statement about how
-# motion looks, is judged in its notebook, where the evidence is shown.
+# A number is judged by bounds in `data/claims.toml`, a statement without a number in its notebook, where the evidence
+# is shown.
 
 # %% [markdown]
 # ## The balance
@@ -83,9 +82,10 @@ assert sum(sum(row.values()) for row in table.values()) == len(catalogue.claims)
 assert all(claim.notebook in catalogue.notebooks for claim in catalogue.claims.values())
 
 # %% [markdown]
-# The same as a picture.
+# What to look for: the pale part is open; orange asks for its reason, in the list below.
 
 # %%
+TIGHT = {"columnspacing": 1.0, "handlelength": 1.2}
 COLOURS = dict(
     zip(
         scorecard.OUTCOMES,
@@ -93,26 +93,23 @@ COLOURS = dict(
         strict=True,
     )
 )
-figure, axes = plt.subplots(figsize=(9, 2.6), layout="constrained")
 titles = [scorecard.PAPERS[paper] for paper in table]
 left = np.zeros(len(table), dtype=int)
-for outcome, colour in COLOURS.items():
-    widths = np.array([row[outcome] for row in table.values()])
-    bars = axes.barh(titles, widths, left=left, color=colour, label=outcome)
-    ink = palette.INK if outcome == "open" else palette.BACKGROUND
-    axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center", color=ink)
-    left += widths
-axes.invert_yaxis()
-axes.set_xlabel("claims")
-axes.spines[["top", "right"]].set_visible(False)
-figure.legend(loc="outside upper center", ncols=len(COLOURS), frameon=False)
-figure.canvas.draw()
-pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+with plots.style():
+    axes = Figure(figsize=(7.2, 2.2)).subplots()
+    for outcome, colour in COLOURS.items():
+        widths = np.array([row[outcome] for row in table.values()])
+        bars = axes.barh(titles, widths, left=left, color=colour, label=outcome, edgecolor=palette.BACKGROUND)
+        ink = palette.INK if outcome == "open" else palette.BACKGROUND
+        axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center", color=ink)
+        left += widths
+    axes.invert_yaxis()
+    axes.set(xlabel="claims (count)")
+    axes.grid(axis="y", visible=False)
+    axes.figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=len(COLOURS), **TIGHT)
 alt = f"Three bars, one for each group of claims, divided by verdict. {scorecard.summary_line(catalogue, records)}"
-write_png(results / "00_scorecard.png", pixels, alt=alt)
-
-# %% [markdown]
-# What to look for: the pale part is what nobody has looked at yet; orange asks for its reason, in the list below.
+plots.save_figure(axes.figure, results / "00_scorecard.png", alt=alt)
+Image(results / "00_scorecard.png", alt=alt)
 
 # %% [markdown]
 # ## The runs behind the results
@@ -124,6 +121,12 @@ for record in others:
     cells = [facts["dataset"], facts["preset"], len(record.results), f"{facts['wall_s'] / 60:.1f}", facts["device"]]
     lines.append(f"| {catalogue.notebooks[record.notebook]} | " + " | ".join(map(str, cells)) + " |")
 Markdown("\n".join(lines) if others else "No other notebook has recorded anything yet.")
+
+# %% [markdown]
+# Each is kept with a digest of the code and data that made it. Those that are older, because their trainings take long:
+
+# %%
+Markdown(scorecard.older(admitted(ROOT)) or "None is older than its code or data.")
 
 # %% [markdown]
 # ## Every claim

@@ -1,12 +1,11 @@
 # %% [markdown]
 # # Data and skeleton
 #
-# Paper: [M22], Section 3, Table 1 and Figure 2. Time: with every preset 1 minute on the synthetic walker, 3 minutes on
-# `bandai-namco`, whose thousand files are all read.
+# Paper: [M22], Section 3, Table 1 and Figure 2. Time: 1 minute on the synthetic walker, 3 minutes on `bandai-namco`,
+# whose thousand files are all read.
 #
-# What a network can learn is in the data. So first: whose motion it is, how much of it, on which skeleton, and which
-# numbers of it the network gets to see. The paper's own data, 100STYLE, are public; its table of contents travels with
-# this project, its four million frames do not.
+# Whose motion is learned from, how much of it is there, on which skeleton, and what of it does the network see? The
+# paper's own data, 100STYLE, are public; only their table of contents travels with this project.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set to look at
@@ -56,9 +55,9 @@ recorder = Recorder(
 # %% [markdown]
 # ## Real, synthetic, generated
 #
-# A result is worth as much as what it was measured on, so each one names its data. *Real capture* is a person in a
-# suit. *Synthetic* is an analytic walker of this project: its phases and contacts are known exactly, which no recorded
-# person's are, but a formula is easier to learn than a person. What a network has generated is never mixed with either.
+# Each result names its data. *Real capture* is a person in a suit. *Synthetic* is a formula that walks: its phases and
+# contacts are known exactly, but it is easier to learn than a person. What a network has generated is never mixed with
+# either.
 
 # %%
 table(
@@ -69,8 +68,8 @@ table(
 # %% [markdown]
 # ## This data set
 #
-# Every file is read; `cut` leaves out T-poses and the way to the start where the data set says so. Takes of less than
-# 70 frames cannot be described by a second of past and future, and are left out.
+# Every file is read, without T-poses and the way to the start where the data set marks them. Takes of less than 70
+# frames are too short to have a second of past and future.
 
 # %%
 lengths = []
@@ -93,8 +92,8 @@ table(
 # %% [markdown]
 # ## Frames to learn from, and frames kept back
 #
-# Per style and gait a tenth of the files, or of each file where there are few, is for the validation and a tenth for
-# the test. Between two parts of one file half a second is lost, since neighbouring frames are nearly copies.
+# Of each style and gait a tenth of the files, or of each file where there are few, is for validation and a tenth for
+# the test, with half a second between two parts of one file.
 
 # %%
 entries, counts = [entry for entry, _ in moving], [length for _, length in moving]
@@ -108,7 +107,7 @@ with plots.style():
         minutes = np.array([of_style[part] for of_style in parts.values()]) / FPS / 60
         axes.barh(list(parts), minutes, left=left, color=COLOURS[part], label=part, height=0.7)
         left += minutes
-    axes.set(xlabel="minutes", ylabel="style")
+    axes.set(xlabel="duration (min)", ylabel="style")
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
     axes.figure.legend(loc="outside upper right", ncols=3)
@@ -117,8 +116,8 @@ plots.save_figure(axes.figure, figures / "01_data_and_skeleton-split.png", alt=a
 Image(figures / "01_data_and_skeleton-split.png", alt=alt)
 
 # %% [markdown]
-# What to look for: styles of which there is little. Their results will be the weak ones. Check: no frame is given
-# twice, and each style can be tested.
+# What to look for: styles of which there is little; their results are the weak ones. Check: no frame is given twice,
+# and each style can be tested.
 
 # %%
 given = sum(len(segment) for segment in segments)
@@ -136,7 +135,7 @@ Markdown(
 #
 # > How much there is of each gait in 100STYLE, in frames, minutes and per cent ([M22] Table 1).
 #
-# It follows from the published cuts alone: a take has as many frames as its stop lies after its start.
+# It follows from the published cuts: a take has as many frames as its stop lies after its start.
 
 # %%
 GAITS = {
@@ -163,8 +162,7 @@ table(
 )
 
 # %% [markdown]
-# Check: every frame count agrees exactly. The printed minutes are rounded up here and down there, their total is the
-# sum of the rounded ones, and one share is raised by 0.1 so that the column adds up to 100.
+# Check: every frame count agrees exactly; the paper's minutes and shares are rounded loosely.
 
 # %%
 assert all(ours[row][0] == paper[row][0] for row in GAITS)
@@ -185,10 +183,8 @@ table(
 # %% [markdown]
 # ## The skeleton, and what its joints are for
 #
-# Nothing below counts on a certain skeleton. Joints get their roles from their names and the tree; where a file's joint
-# frames run along the bones, orientations are measured against a rest pose. That is the pose drawn here: that of
-# the skeleton without any rotation where it stands then, else the mean pose of a take of each style, made symmetric,
-# which bends forward where people run. Left is blue, right is orange.
+# Joints get their roles from their names and the tree; where a file's joint frames run along the bones, orientations
+# are measured against the rest pose drawn here. Left is blue, right is orange.
 
 # %%
 body = body_of(catalogue)
@@ -207,8 +203,8 @@ write_png(figures / "01_data_and_skeleton-body.png", drawn, alt=alt)
 Image(figures / "01_data_and_skeleton-body.png", alt=alt)
 
 # %% [markdown]
-# The same pose as its joints, from the front. Rings are the end effectors, which have phases of their own; squares
-# are where contact with the floor is sensed; pale joints are end sites that the network does not see.
+# The same from the front. Rings are the end effectors, which have phases of their own; squares sense contact with the
+# floor; pale joints are end sites that the network does not see.
 
 # %%
 seen = feature_joints(skeleton)
@@ -253,8 +249,6 @@ table(
 #
 # > The trajectory of a second either way, and position, two axes and velocity of every joint, all in the frame of the
 # > root; the next frame's phases and foot contacts beside its pose in the output ([M22] 3.2).
-#
-# The names below are slices of `Layout`; nothing else in the library counts columns.
 
 # %%
 layouts = {"100STYLE": layout_of(SKELETON), dataset: body.layout}
@@ -282,9 +276,8 @@ assert widths == (348, 342, 240, 300)
 # %% [markdown]
 # ## Nothing is lost, and nothing of the world is kept
 #
-# Three checks on one take. From its vectors, in the single precision in which they are kept, the joints come back where
-# they were. Turning and moving the whole take in the world does not change a vector. And mirrored vectors are a person
-# who does the same on the other side.
+# Three checks on one take. From its vectors, in single precision, the joints come back where they were. Turning and
+# moving the whole take changes no vector. Mirrored vectors are a person who does the same on the other side.
 
 # %%
 candidates = [entry for entry, length in moving if usable(length)]
@@ -342,10 +335,10 @@ Image(figures / "01_data_and_skeleton-vectors.png", alt=alt)
 # %% [markdown]
 # ## Figure 2: six styles
 #
-# > Six styles of 100STYLE; one of them is stochastic, one asymmetric, one moves its arms in cycles of their own
-# > ([M22] Fig. 2).
+# > Six styles of 100STYLE; one of them is stochastic, one asymmetric, one moves its arms in cycles of their own ([M22]
+# > Fig. 2).
 #
-# Six of this data set, as far as it has such styles, over one and a half seconds.
+# Six of this data set, over one and a half seconds.
 
 # %%
 SIX = {
@@ -382,8 +375,7 @@ Image(figures / "01_data_and_skeleton-fig2.png", alt=alt)
 # %% [markdown]
 # ## What a few seconds of the paper's own data say
 #
-# Some facts about the capture can be read off any file of 100STYLE. Where the archive or its excerpt is at hand, the
-# style Neutral is read here; a machine without either leaves these open.
+# Some facts about the capture can be read off any file of 100STYLE: here the style Neutral.
 
 # %%
 original = datasets()["100style"]
@@ -407,16 +399,14 @@ table(
 )
 
 # %% [markdown]
-# What to look for: before the cut the hands are as far apart as the body is tall, in the T-pose; inside it they never
+# What to look for: before the cut, in the T-pose, the hands are as far apart as the body is tall; inside it they never
 # are.
 
 # %% [markdown]
 # ## What cannot be told here
 #
-# That Drunk never repeats itself, that Drag Right Leg differs between its sides, that the arms of Wild Arms keep their
-# own time: these are statements about takes that are not at hand. The published list calls the first stochastic and the
-# second asymmetric, which is no measurement. The size of the capture area is a fact about a room. They are recorded as
-# not testable here, with what they need.
+# That Drunk never repeats itself, that Drag Right Leg differs between its sides and that the arms of Wild Arms keep
+# their own time are statements about takes that are not at hand. The size of the capture area is a fact about a room.
 
 # %% [markdown]
 # ## The record

@@ -1,12 +1,10 @@
 # %% [markdown]
 # # Local motion phases
 #
-# Paper: [M22], Section 4.1 and Figure 4. Time: with every preset 2 minutes on the synthetic walker, 5 minutes on
-# `bandai-namco`; where the released network is not at hand, half of that.
+# Paper: [M22], Section 4.1 and Figure 4. Time: 2 minutes on the synthetic walker, 5 minutes on `bandai-namco`.
 #
-# A phase says how far a movement has come in its cycle. The network that moves the character is told four of them,
-# one for each hand and foot, and nothing else decides which of its experts speak. So: what is a phase read from, how,
-# and how far is it from the truth?
+# A phase says how far a movement has come in its cycle. The network is told four, one for each hand and foot, and they
+# alone decide which of its experts speak. What is a phase read from, how, and how far is it from the truth?
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set to look at
@@ -76,9 +74,9 @@ recorder = Recorder(
 # %% [markdown]
 # ## A walker whose phases are known
 #
-# Nobody knows the true phase of a person. The synthetic walker is a formula, and its phases are part of it: a foot's
-# is 0.25 in the middle of its contact, a hand's where it is furthest forward. Whatever the data set of this run, each
-# style of the walker goes straight ahead for eight seconds, and its phases are read as if it were a recorded person.
+# Nobody knows the true phase of a person. The synthetic walker's are part of its formula: a foot's is 0.25 in the
+# middle of its contact, a hand's where it is furthest forward. Each of its styles goes straight ahead for eight
+# seconds.
 
 
 # %%
@@ -102,9 +100,8 @@ INSIDE = slice(60, -60)
 #
 # > Many styles have no global phase: their joints move with timings and speeds of their own ([M22] 4.1.1).
 #
-# The global phase counts steps: 0 where the right foot comes down, a half cycle where the left one does. How far
-# forward a hand is should follow from it, if one phase is enough. In the plain walk it does. `OffbeatArms` keeps a
-# beat of its own, and a hand may be anywhere at any moment of the step.
+# The global phase is 0 where the right foot comes down and a half cycle where the left one does. Does it tell how far
+# forward a hand is? The arms of `OffbeatArms` keep a beat of their own.
 
 
 # %%
@@ -146,10 +143,9 @@ table(
 # > A foot is in contact while a ball of 1 cm at its bone meets the floor and the bone is slower than 0.15 m/s; both
 # > numbers may be changed for a motion ([M22] 4.1.2). The source function is 1 in contact, else 0.
 #
-# `foot_contacts` measures the height from the take's own floor, for on every skeleton the toes rest at another
-# height, and each data set has a rule of its own: a recorded toe rolls and trembles, a running one hardly stops, and
-# the walker's rests exactly. A toe has to be slow on the way to a frame and on the way from it: looking only back, as
-# the authors did, ends every contact late.
+# Height counts from the take's own floor, and each data set has a rule of its own, since recorded toes roll and
+# tremble. A toe has to be slow on the way to a frame and on the way from it; looking only back, as the authors did,
+# ends every contact late.
 
 # %%
 rules = {name: entry.contact for name, entry in datasets().items()}
@@ -178,13 +174,12 @@ Markdown(
 # %% [markdown]
 # ## 4.1.3 Hands: along the direction in which they move most
 #
-# > Without contacts, the source is the bone's place in the character's frame, less its mean over the style and gait,
-# > on the first principal component. The places are not divided by their spread. The component is turned to point
-# > forward ([M22] 4.1.3).
+# > Without contacts, the source is the bone's place in the character's frame, less its mean over the style and gait, on
+# > the first principal component. The places are not divided by their spread. The component is turned to point forward
+# > ([M22] 4.1.3).
 #
-# Three styles of this data set, with the path of each hand against the hips, the principal direction as an arrow and
-# the plane across it. The path belongs to the fingertips where the file has them. A foot that never touches the floor
-# is read in the same way, and is then drawn too.
+# Three styles of this data set: the path of each hand against the hips, the principal direction as an arrow, and the
+# plane across it. A foot that never touches the floor is read in the same way.
 
 # %%
 THREE = {
@@ -236,12 +231,10 @@ for pair in three:
 side_by_side(drawn, "directions", three)
 
 # %% [markdown]
-# What to look for: the arrow lies along the path and points forward; where the hands hardly move it is short. Where a
-# path is bent, the arrow is its chord.
+# What to look for: the arrow lies along the path and points forward; where the hands hardly move it is short.
 #
-# Checks, on the walker. The direction is the first component of the centred places: dividing each axis by its spread
-# first would turn it. And the arrow's sign matters: arms that swing against each other are half a cycle apart, those
-# of a hopper swing together; with one arrow turned round, each would pass for the other.
+# Checks, on the walker. Dividing each axis by its spread first would turn the direction. And with one arrow turned
+# round, arms that swing against each other would pass for arms that swing together.
 
 
 # %%
@@ -272,12 +265,11 @@ table(
 # %% [markdown]
 # ## 4.1.4 From source to phase
 #
-# > Normalise in a window of a second, smooth with a Butterworth filter, fit a sinusoid with amplitude, frequency,
-# > shift and offset around each frame; its angle at the frame is the phase ([M22] 4.1.4).
+# > Normalise in a window of a second, smooth with a Butterworth filter, fit a sinusoid with amplitude, frequency, shift
+# > and offset around each frame; its angle at the frame is the phase ([M22] 4.1.4).
 #
-# `window_zscore` and `low_pass` prepare, `fit_sinusoids` fits. For a given frequency the sinusoid is linear in its
-# other three numbers, so the best one is known in closed form, and only the frequency is searched; the authors let an
-# evolutionary search find all four. Left: a foot of the plain walk. Right: three of its windows.
+# For a given frequency the sinusoid is linear in its other three numbers, so `fit_sinusoids` searches the frequency
+# alone. Left: a foot of the plain walk. Right: three of its windows.
 
 # %%
 take = read["release"]["Plain"]
@@ -310,12 +302,12 @@ figure(
 )
 
 # %% [markdown]
-# > The phase feature is the pair sine and cosine of the phase, times the fitted amplitude, times the speed of the
-# > bone over a window of a second ([M22] Eq. 1).
+# > The phase feature is the pair sine and cosine of the phase, times the fitted amplitude, times the speed of the bone
+# > over a window of a second ([M22] Eq. 1).
 #
-# The paper prints a mean over a second, the authors' code takes the largest speed within one period of the fit:
-# `PhaseVariant` has both. Check: the feature is what Eq. 1 says, and a hand that hardly moves has hardly any. This
-# factor is all that keeps a still hand quiet, since the normalisation blows up its trembling to full size.
+# The paper prints a mean over a second, the authors' code takes the largest speed within one period of the fit. Check:
+# the feature is what Eq. 1 says. Only this factor keeps a still hand quiet, since the normalisation blows its trembling
+# up to full size.
 
 # %%
 local = take.local
@@ -369,12 +361,11 @@ fig4(three[1])
 fig4(three[2])
 
 # %% [markdown]
-# What to look for: a foot's phase runs through 0.25 in the middle of each green bar, the two feet take turns, and
-# where a limb is quiet its line fades.
+# What to look for: a foot's phase runs through 0.25 in the middle of each green bar, the feet take turns, and where a
+# limb is quiet its line fades.
 
 # %% [markdown]
-# The kinds of the paper's figure, as the walker does them: arms with a beat of their own, so that there is no global
-# phase; hands in pockets; a hop on one foot, whose raised foot has an arrow too.
+# The kinds of the paper's figure, as the walker does them: offbeat arms, hands in pockets, a hop on one foot.
 
 
 # %%
@@ -394,9 +385,8 @@ the_walkers_three()
 #
 # > Left Hop takes the contact-free method for the foot in the air ([M22] Fig. 4).
 #
-# Read from contacts, the raised foot of the hopper has no phase at all. A hybrid takes contacts only from feet that
-# touch the floor and leave it again; feet that do so now and then without meaning it are named in
-# `data/registry.toml`, for 100STYLE the raised feet of its two hops.
+# Read from contacts, the raised foot of the hopper has no phase at all. The hybrid takes contacts only from feet that
+# touch the floor and leave it again.
 
 # %%
 clip, truth = walkers["HopOnRight"]
@@ -435,7 +425,7 @@ hop_picture()
 # ## Against the truth
 #
 # Circular distance from the walker's own phases, in cycles, as median / ninth decile over the frames, for the variant
-# `adaptive` (two sections on says what that is). A sixtieth of a cycle is one frame of a walk.
+# `adaptive`, explained below. A sixtieth of a cycle is about one frame.
 
 # %%
 errors = {
@@ -458,11 +448,10 @@ table(
 )
 
 # %% [markdown]
-# What to look for: all within a frame or two, slow styles like fast ones. The sleepwalker's arms hang forward and are
-# moved by the trunk more than by the shoulder, so what is seen of them is not quite what they were told.
+# What to look for: all within a frame or two, slow styles like fast ones.
 #
-# The same with changes of speed and curves: takes of twelve seconds as in the data set, made with another seed than
-# any number above. Beside it a phase that knows the take's cycle and the best shift, but nothing of its changes.
+# The same with changes of speed and curves, in takes of twelve seconds from another seed. The null model is a phase
+# that knows the take's cycle and the best shift, but nothing of its changes.
 
 
 # %%
@@ -497,9 +486,9 @@ Markdown(
 #
 # > The source function handles stochastic motion poorly ([M22] 6).
 #
-# The plain walker's hands, with a share of their movement replaced by slow random movement of the same size: how much
-# of it does a sinusoid of their own phase still explain? Five seeds each; 0 is the check that nothing else is lost.
-# Below them `GlancingBack`, whose looks over the shoulder come at random, with more of them and with none.
+# How much of the plain walker's hands does a sinusoid of their own phase explain once a share of their movement is slow
+# random movement of the same size? Five seeds each. Below them `GlancingBack`, whose looks over the shoulder come at
+# random, with more of them and with none.
 
 # %%
 SEEDS, adaptive = range(5), variant("adaptive")
@@ -527,12 +516,10 @@ table(
 # %% [markdown]
 # ## How long a window
 #
-# The paper and the release normalise over one second. A foot of a slow walk stands for longer than that. Then the
-# window holds nothing but ones, the z-score of a plateau is zero, and the phase jumps. A longer window only moves the
-# limit. So `adaptive` lets the window follow the cycle: the tempo of each source is found first (`phase/tempo.py`, the
-# course of frequencies that explains most of the signal), the source is played so that every cycle lasts one second,
-# and the release's recipe is applied to that, with the sinusoid fitted over a whole cycle. Each dot is a style; the
-# height is the share of frames in which a foot's phase is wrong by more than 0.15 cycles.
+# The paper and the release normalise over one second. A foot of a slow walk stands longer than that: the window then
+# holds nothing but ones, their z-score is zero, and the phase jumps. So `adaptive` first finds the tempo of each
+# source, plays it so that every cycle lasts one second, and applies the release's recipe to that. Each dot is a style;
+# the height is the share of frames in which a foot's phase is wrong by more than 0.15 cycles.
 
 
 # %%
@@ -562,9 +549,7 @@ figure(
 )
 
 # %% [markdown]
-# Check: with a window of one cycle hardly a frame is wrong at any length. Magnitudes stay comparable, since a z-score
-# over one cycle gives every sinusoid the same amplitude: what is left is the speed of the limb. Our networks are
-# trained on `adaptive`.
+# Check: with a window of one cycle hardly a frame is wrong. Our networks are trained on `adaptive`.
 
 # %%
 lengths = np.array([cycle[name] for name in ordered])
@@ -583,8 +568,8 @@ table(
 # %% [markdown]
 # ## On this data set
 #
-# Of recorded people no truth is known, but three things should hold in a walk: the feet are half a cycle apart, steps
-# alternate, phases run forwards. One forward walk of each style, or its first take where no walk is named.
+# Of recorded people no truth is known, but in a walk the feet are half a cycle apart, steps alternate, and phases run
+# forwards. One walk of each style:
 
 
 # %%
@@ -628,9 +613,8 @@ Markdown(
 
 
 # %% [markdown]
-# Distances of more than 0.05 belong to styles that limp or hop, in which the feet are not half a cycle apart. How near
-# to a sinusoid is what the hands do? Share of their movement along the principal direction that a sinusoid of their
-# own phase explains, over the styles:
+# The large distances belong to styles whose feet are not half a cycle apart. How near to a sinusoid is what the hands
+# do? Share of their movement along the principal direction that a sinusoid of their own phase explains:
 
 
 # %%
@@ -649,16 +633,11 @@ Markdown(f"median {near:.2f}, a quarter of the hands below {np.percentile(shares
 # %% [markdown]
 # ## What the authors' network says
 #
-# > Labels of the authors were never released. Their network was ([M22] release), and it predicts the phases of the
-# > next frame.
-#
-# So it can be asked. It walks straight ahead in every style that walks, all side by side, and our phases are read
-# from where its hands and feet go; or it is shown recorded frames of `Neutral`, only its phases being its own. The
-# network's phases count where their magnitude is above 0.5 m/s. Nothing was chosen on the generated styles reported
-# here. What a contact is in generated motion, whose feet always slide a little, hardly matters on the five styles left
-# out: below 0.15, 0.2 or 0.3 m/s and 2 cm or more, the feet's median is 0.034 to 0.036. The rule of recorded 100STYLE
-# (0.3 m/s, 3 cm) was chosen with the two recordings in view; with 0.15 m/s and 2 cm their feet lie at 0.046. Left
-# hand, right hand, left foot, right foot make four pairs a style.
+# The authors' labels were never released, but their network was, and it predicts the phases of the next frame. It walks
+# straight ahead in every style that walks, and our phases are read from its hands and feet; or it is shown recorded
+# frames of `Neutral`. Its phases count where their magnitude is above 0.5 m/s. Nothing was chosen on the generated
+# styles; the contact rule of recorded 100STYLE was chosen with the two recordings in view. A pair is one hand or foot
+# of one style.
 
 
 # %%
@@ -700,9 +679,9 @@ table(
 )
 
 # %% [markdown]
-# Check: phases of another style, of the next effector or of a clock that beats once a second do not pass. A clock
-# that beats at the network's own rate does: a steady walk is hardly more than its rate and its beginning, which is
-# what such walks can tell, and no more.
+# Check: phases of another style, of the next effector or of a clock that beats once a second do not pass. A clock at
+# the network's own rate does: a steady walk is hardly more than its rate and its beginning, so such walks can tell no
+# more.
 
 # %%
 if asked:
@@ -745,8 +724,7 @@ def oracle_picture() -> Image | Markdown:
 oracle_picture()
 
 # %% [markdown]
-# What to look for: nine pairs in ten lie below the line. The rest is not noise but reasons, told from the phases
-# themselves:
+# What to look for: most pairs lie below the line. The rest have reasons, told from the phases themselves:
 
 
 # %%
@@ -762,26 +740,11 @@ table(
 )
 
 # %% [markdown]
-# The network was taught by labels of half-second windows and is nearer to `release` where cycles are short; ours at
-# its own tempo is nearer to what is true of the walker above, and to feet half a cycle apart below.
-#
-# A hand that draws a small round path has no direction to speak of, so the one found in a straight walk is not the
-# one that the authors found over a whole recording; the phase then runs with theirs, some way ahead or behind. Where
-# the network's phase swings to and fro without going round there is none to agree with. The slowest walks, of two
-# and three seconds a cycle, are unsteady. Every style:
-
-# %%
-table(
-    ("style", *(f"{name}, {how}" for how in MARKS for name in ("LH", "RH", "LF", "RF")), "contacts agree"),
-    *(
-        (a.name, *(f"{v:.3f}" for v in (*a.medians, *b.medians)), f"{a.agreeing.mean():.2f}")
-        for a, b in zip(compared.get("adaptive", []), compared.get("release", []), strict=True)
-    ),
-)
+# The network was taught by labels of half-second windows and is nearer to `release` where cycles are short. A hand that
+# draws a small round path has no clear direction: the phase then runs with theirs, some way ahead or behind.
 
 # %% [markdown]
-# The magnitude says how much an effector moves. Under `release` it should be theirs, style by style. Their search
-# stops at smaller amplitudes than the optimum has, for which our ridge of 2 stands.
+# The magnitude says how much an effector moves. Under `release` it should be theirs, style by style.
 
 
 # %%
@@ -823,10 +786,7 @@ generated_fig4("HandsInPockets")
 # %% [markdown]
 # ## All gaits of recorded people
 #
-# > Steps alternate, feet are half a cycle apart, phases run forwards.
-#
-# Up to three takes of every style and gait of `bandai-namco`. A window of a second reaches past the ends of a take,
-# so half a second there does not count for the feet; dashes last two to four seconds.
+# Up to three takes of every style and gait of `bandai-namco`, without half a second at either end.
 
 # %%
 gaits = {}
@@ -841,7 +801,8 @@ table(
 )
 
 # %% [markdown]
-# Check: all of them hold, but for two steps of the dashes, whose feet pass so fast that a contact is missed.
+# Check: steps alternate, feet are half a cycle apart and phases run forwards, but for some steps of the dashes, whose
+# feet pass so fast that a contact is missed.
 
 # %%
 for gait, score in gaits.items():
@@ -851,11 +812,11 @@ for gait, score in gaits.items():
 # %% [markdown]
 # ## Is the fit the best there is?
 #
-# > An evolutionary search of fifty individuals and ten generations, every window drawn to its neighbours
-# > ([M22] release).
+# > An evolutionary search of fifty individuals and ten generations, every window drawn to its neighbours ([M22]
+# > release).
 #
-# Three ways to fit the same windows: ours, SciPy's bounded least squares from two starts, and the authors' search,
-# written small. Windows of recorded walks where they are at hand, else of the walker.
+# Three ways to fit the same windows: ours, SciPy's bounded least squares from two starts, and the authors' search.
+# Windows of recorded walks where they are at hand, else of the walker.
 
 
 # %%
@@ -894,8 +855,8 @@ table(
 )
 
 # %% [markdown]
-# Check: ours is behind in no more than one window in fifty; the search stops short of the optimum, at amplitudes a
-# sixth to a third smaller, and the ridge brings ours down to them.
+# Check: ours is hardly ever behind; the search stops short of the optimum, at smaller amplitudes, and the ridge brings
+# ours down to them.
 
 # %%
 assert not_behind >= 0.98 and losses["search"].mean() > 1.2 * losses["ours"].mean()
@@ -904,8 +865,8 @@ assert shrunk[:, 0].max() < 0.95 and np.abs(shrunk[:, 1] - 1).max() < 0.15
 # %% [markdown]
 # ## How fast
 #
-# Rivals take turns in one run, on one core. For the whole of 100STYLE, of four million frames and four limbs, the time
-# is extrapolated from takes of the walker, for the search from a single fit.
+# Rivals take turns in one run, on one core. The time for the four million frames of 100STYLE is extrapolated from takes
+# of the walker, for the search from a single fit.
 
 # %%
 speeds = phase_rows()
@@ -920,9 +881,6 @@ table(
 
 # %% [markdown]
 # ## What was recorded
-#
-# Two claims stay open: that contact-free phases serve a network where contacts say nothing, which takes a network to
-# tell, and how badly stochastic motion is handled.
 
 
 # %%

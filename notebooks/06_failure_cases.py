@@ -14,13 +14,12 @@
 # %% [markdown]
 # # Where other models fail
 #
-# Paper: [M22], Section 5.1 (Figures 5, 6, 7, 9). Time: about two minutes with preset quick, five with cpu, after the
+# Paper: [M22], Section 5.1 (Figures 5, 6, 7, 9). Time: two minutes with preset quick, five with cpu, after the
 # trainings.
 #
-# The paper shows four kinds of failure by one picture each: hands that do not swing when the phase comes from the feet,
-# arms that stick when there is no phase at all, a hop that a phase from contacts cannot describe, and collar bones that
-# a modulation of too little capacity gets wrong. Here each becomes a number, measured in the same way on recorded and
-# on generated motion, with an interval, and beside what recorded motion varies by itself.
+# The paper shows four kinds of failure by one picture each: hands that do not swing, arms that stick, a hop that goes
+# wrong, collar bones that point elsewhere. Here each becomes a number with an interval, measured in the same way on
+# recorded and on generated motion, beside what recorded motion varies by itself.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the networks were trained on
@@ -104,10 +103,8 @@ Markdown("; ".join(f"{case.name}: {', '.join(case.walked)}" for case in cases))
 #
 # > Where a style has no clear single phase, the hands get stuck or do some average pose ([M22] 5.1.1).
 #
-# Hands that go with the steps follow from the global phase. So the hands' paths, seen from the hips, are regressed on
-# the phase that the feet's contacts give: `tied` is the share of the movement that is explained, less what chance
-# explains. Beside it how far hands move (the distance from their mean place, over four seconds), and their strongest
-# frequency against the steps'. As a null the same regression on a phase that runs at 0.65 of the tempo.
+# The hands' paths, seen from the hips, are regressed on the phase of the feet's contacts: `tied` is the share of the
+# movement that is explained, less what chance explains. Null model: a phase at 0.65 of the tempo.
 
 
 # %%
@@ -125,9 +122,8 @@ table(heads, *[hands_row(case, style) for case in cases for style in case.data.w
 # %% [markdown]
 # ## Figures 5 and 9: hands that are stuck
 #
-# A hand is called stuck when it moves less than a threshold times as far as in the recorded walk in which it moves
-# least. The threshold is one half, or less where recorded hands vary so much themselves: over the two halves of the
-# same walks the smaller amplitude may be below that share of the larger in one case of forty at most.
+# A hand is stuck when it moves less than a threshold times as far as in the recorded walk in which it moves least. The
+# threshold is one half, or less where the halves of recorded walks differ by so much in more than one case of forty.
 
 # %%
 for case in cases:
@@ -160,7 +156,7 @@ def ratios_by_model(case: Case) -> dict:
 
 marks = [(1.0, "as in the data"), (main.data.stuck_below, "stuck below")]
 axes = model_plots.ratios(
-    ratios_by_model(main), quantity=f"amplitude of each hand over the data's, {dataset}", marks=marks
+    ratios_by_model(main), quantity=f"amplitude of each hand over the data's (ratio), {dataset}", marks=marks
 )
 figure(
     axes,
@@ -171,10 +167,9 @@ figure(
 # %% [markdown]
 # ### The style that is freest of its steps
 #
-# One walk is one draw, so the style whose hands are freest (Pendulum Hands and Swimming where the data have them)
-# walks from several frames of its data, which differ in how hands and feet go together. Three measures, each as in
-# the data at 1: the amplitude; the free amplitude, which is the part that the steps do not explain, so that hands
-# which swing with the feet do not pass; and the share of power about the hands' own frequency.
+# The style whose hands are freest walks from several frames of its data. Three measures, each 1 in the data: the
+# amplitude; the free amplitude, the part that the steps do not explain; and the share of power about the hands' own
+# frequency.
 
 
 # %%
@@ -224,10 +219,9 @@ table(("data", "style", "LPN FiLM less", *KINDS), *rows)
 
 
 # %% [markdown]
-# What to look for: differences above zero are LPN's advantage. The intervals are over starts, most of which end in the
-# same cycle; all walks of a model share one training, so they say nothing of another seed. Nulls that should fail: a
-# body that is held still has no amplitude, recorded frames in random order have the amplitude and not the frequency,
-# and hands that go with the steps have no free amplitude.
+# What to look for: differences above zero are LPN's advantage. All walks of a model share one training, so the
+# intervals say nothing of another seed. Null models: a body held still has no amplitude, recorded frames in random
+# order have no frequency, and hands that go with the steps have no free amplitude.
 
 # %%
 nulls = []
@@ -297,8 +291,8 @@ Markdown(
 #
 # > Contact-free phases allow for contacts that vary; in one style only a single foot touches the ground ([M22] 5.1.1).
 #
-# Where the data have a style in which one foot never touches the floor, the walker's hop at least, the network should
-# do so too. Feet are judged by predicted contacts and by the toes' height, which the contacts do not decide.
+# Where one foot of a style never touches the floor, it should not in the network's walk. Feet are judged by predicted
+# contacts and by the toes' height.
 
 
 # %%
@@ -326,9 +320,9 @@ table(heads, *[feet_row(*key, use) for key, use in used.items()])
 # %% [markdown]
 # ### What phases from contacts alone would give
 #
-# The same network is trained once more on the walker, with the same preset and seed, on phases that are read from
-# contacts alone: the raised foot then has none. Everything else is equal. The raised foot's swing is compared, over
-# several starts: its amplitude in the frame of the hips against the data's, and how far it is tied to the hop.
+# The same network is trained once more on the walker with phases from contacts alone, of which the raised foot has
+# none. Over several starts: the amplitude of the raised foot's swing against the data's, and how far it is tied to the
+# hop.
 
 # %%
 hop_case = next((case for case in cases if hops(case) and "synthetic" in case.name), None)
@@ -387,8 +381,8 @@ hop_picture()
 # > With one-hot codes and residual adapters, which change one layer only, the collar bones come out badly; FiLM changes
 # > all layers ([M22] 5.1.2).
 #
-# The direction of each collar bone is taken in the chest's axes, and its mean over a walk compared with the data's:
-# an angle for each style and side. What recorded bones vary between the halves of their walks is the floor.
+# The mean direction of each collar bone over a walk, in the chest's axes, compared with the data's. What recorded bones
+# vary between the halves of their walks is the floor.
 
 # %%
 halves = {
@@ -424,8 +418,8 @@ rows += [
 table(("model", "collar bones off, degrees", "more than lpn-film", "length off mm"), *rows)
 
 # %% [markdown]
-# The style whose collar bones point furthest from the mean over styles stands for Arms Above Head where the data lack
-# it. It walks from several frames.
+# The style whose collar bones point furthest from the mean stands for Arms Above Head where the data lack it. It walks
+# from several frames.
 
 # %%
 unusual = "ArmsAboveHead" if "ArmsAboveHead" in main.data.walks else most_unusual(main.data.collars)
@@ -451,8 +445,8 @@ strips("fig7", main, unusual, MODULATED, Layout(frames=6, view="front", scale=80
 # > The lower capacity of one-hot and adapter modulation shows as artefacts, and with one-hot some styles come out wrong
 # > ([M22] 5.1.2).
 #
-# The flaws of the walks (notebook 05 names them), each modulation less FiLM on the same backbone, over styles. A flaw
-# that is larger without FiLM has a difference above zero.
+# The flaws of the walks (named in notebook 05), each modulation less FiLM on the same backbone, over styles: above zero
+# where there are more without FiLM.
 
 # %%
 pairs = [(f"{b}-{m}", f"{b}-film") for b in ("lpn", "pfnn") for m in ("onehot", "resad")]

@@ -15,12 +15,11 @@
 # # Interpolation between styles
 #
 # Paper: [M22], Section 4.4 (blending), 5.1.2 and Fig. 8 (one-hot against FiLM), Section 6 (what goes wrong between).
-# Time: preset quick about 1 minute, preset cpu about 5 minutes, after the trainings.
+# Time: preset quick 1 minute, preset cpu 5 minutes, after the trainings.
 #
-# Two styles are mixed by mixing their codes: FiLM's 2048 scales and shifts, or the weights of a one-hot vector. The
-# paper shows pictures: FiLM passes smoothly, one-hot stays with the first style until the end. Here characters walk at
-# eleven points of the straight line between two codes, for many pairs of styles, and each walk is placed on the line
-# between the walks of the two pure styles.
+# Two styles are mixed by mixing their codes: FiLM's scales and shifts, or the weights of a one-hot vector. Does FiLM
+# pass smoothly, and does one-hot stay with the first style until the end? Characters walk at eleven points between two
+# codes, for many pairs of styles, and each walk is placed on the line between the walks of the pure styles.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the networks were trained on
@@ -78,10 +77,9 @@ Markdown(f"Seed 0 of {', '.join(models)} on `{dataset}` ({find_dataset(dataset).
 # > The user may choose three styles, and their FiLM parameters are blended by the place in a triangle ([M22] 4.4).
 #
 # A walk becomes a point: means and deviations of joint positions and velocities, in coordinates in which a style's own
-# clips vary alike every way (`evaluation/style.py`). `along` is where the walk of a blend lies on the line between the
-# two pure walks, 0 at the first and 1 at the second. An even blend gains a tenth with each tenth of the second style; a
-# switch gains everything at once. All pairs are of the group of styles with the most data, or spread over its pairs
-# where there are too many. The steering's gain is blended as the codes are.
+# clips vary alike every way. `along` is where the walk of a blend lies on the line between the pure walks, 0 at the
+# first and 1 at the second. An even blend gains a tenth with each tenth of the second style; a switch gains everything
+# at once. The steering's gain is blended as the codes are.
 
 # %%
 group = max(groups_of(film.styles).values(), key=lambda names: sum(len(styles[name].x) for name in names))
@@ -112,9 +110,8 @@ Markdown(f"{len(pairs)} pairs, of which {len(kept)} stayed finite throughout in 
 #
 # > One-hot tends to keep the first style until the interpolation is complete; FiLM changes smoothly ([M22] 5.1.2).
 #
-# `off the line` is the root mean square of how far `along` is from the share; an even blend has 0, a switch 0.3. The
-# last rows are the measures' own checks: a switch half-way, and walks that are the pure ones in random order. Brackets
-# hold what 95 of 100 other draws of the styles would give.
+# `off the line` is the root mean square of how far `along` is from the share; an even blend has 0. The last rows are
+# null models: a switch half-way, and the pure walks in random order. Brackets hold 95 of 100 other draws of the styles.
 
 # %%
 heads = {"off_line": "off the line", "largest_step": "largest step of eleven", "monotonicity": "monotonicity"}
@@ -164,9 +161,9 @@ Markdown(
 # %% [markdown]
 # ## Does it stay with the first style?
 #
-# Between two styles neither is the first, unless the character remembers where it began. So: the share at which half
-# the way is made, by characters that begin as the first style, and, on the way back, by those that begin as the second.
-# At 0.5 the start is forgotten. `disagreement` is the mean distance between the two, 0 where the start does not count.
+# Only a character that remembers where it began can stay with it. So: the share at which half the way is made, by
+# characters that begin as either style. At 0.5 the start is forgotten. `disagreement` is the mean distance between the
+# two.
 
 
 # %%
@@ -184,8 +181,8 @@ Markdown("\n".join(lines))
 # %% [markdown]
 # ## What one sees
 #
-# One pair in the layout of Fig. 8: the first style at the left, the second at the right, and the blends between, each
-# at the moment when its right foot comes down. The pair is the one whose styles lie farthest apart.
+# The pair whose styles lie farthest apart, in the layout of Fig. 8: the first style at the left, the second at the
+# right, each at the moment when its right foot comes down.
 
 # %%
 shown = int(np.argmax([blend.apart for blend in blends[models[-1]]]))
@@ -212,8 +209,7 @@ Markdown(
 # %% [markdown]
 # ## Three styles at once
 #
-# Fifteen points of a triangle, and where the walks come out: their place in the plane of the three pure walks. Lines
-# lead from what was asked for to what came out.
+# Lines lead from what was asked for to where the walks come out, in the plane of the three pure walks.
 
 # %%
 trio = pick(group, 3)
@@ -248,9 +244,8 @@ Markdown(
 # %% [markdown]
 # ## What the authors' codes do
 #
-# The release has FiLM codes of a hundred styles and the network that they belong to, with the pair of Fig. 8 among
-# them. Its data are not at hand, so the style space is made of its own pure walks: this tells how even its blends are,
-# not how good its styles. Only with a preset other than quick, where the release's archives are at hand.
+# The release has FiLM codes of a hundred styles, with the pair of Fig. 8 among them. The style space is made of its own
+# pure walks: this tells how even its blends are, not how good its styles.
 
 
 # %%
@@ -293,8 +288,8 @@ released_strip() if theirs else Markdown("Nothing to draw.")
 #
 # > The straight way between two styles can lead through poses in which limbs cut into the body ([M22] 6).
 #
-# From folded arms to arms behind the back, the hands have to get past the trunk. The distance of the nearer hand from
-# the line of the trunk, least over the walk's frames: half a body's depth is about 0.12 m.
+# From folded arms to arms behind the back, the hands have to get past the trunk. Least distance of the nearer hand from
+# the line of the trunk (m); half a body's depth is about 0.12 m.
 
 # %%
 near = {} if theirs is None else {pair: hand_to_trunk(release, theirs, pair) for pair in theirs.pairs}

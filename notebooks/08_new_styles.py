@@ -14,12 +14,11 @@
 # %% [markdown]
 # # New styles by fine-tuning
 #
-# Paper: [M22], Section 5.3.2 and Fig. 11. Time: preset quick about 1 minute, preset cpu about 10 minutes, after a
-# training without some of the styles.
+# Paper: [M22], Section 5.3.2 and Fig. 11. Time: preset quick 1 minute, preset cpu 10 minutes, after a training without
+# some of the styles.
 #
-# A network that knows many styles has a space of styles, and a new one should find a place in it without anything being
-# trained again but the style network. So: a run that never saw some styles, their codes before and after its style
-# network learned them, the error of a step, and a walk.
+# Can a network that knows many styles take up a new one when only its style network is trained? A run that never saw
+# some styles learns them: their codes, the error of a step, and a walk, before and after.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the network was trained on
@@ -79,8 +78,7 @@ Markdown(
 #
 # > For a new style it is enough to fine-tune the FiLM generator, with the parameters of the LPN frozen ([M22] 5.3.2).
 #
-# `training/finetune.py`: a minute of one processor at the paper's size. Each new style is learned alone, by a generator
-# of its own, and then all of them together by one.
+# Each new style is learned alone, by a generator of its own, and then all of them together by one.
 
 # %%
 how = FineTuning()
@@ -122,8 +120,8 @@ Markdown(
 # ## The error of a step, before and after
 #
 # On test frames of the new styles. `before` has the code that the generator gives without having learned the style,
-# `best known` the code of whichever known style fits the validation frames best, `wrong` the mean over the codes of
-# all known styles. `ridge` is one linear regression fitted to the new styles' own training frames.
+# `best known` the best code of a known style, `wrong` the mean over all known styles. `ridge` is one linear regression
+# fitted to the new styles' training frames.
 
 # %%
 rivals = {"ridge": fit_ridge(new, base.normaliser), "hold": predict_hold(base.layout, base.normaliser)}
@@ -153,10 +151,10 @@ Markdown(
 # > Before fine-tuning the codes of seen styles separate clearly and those of unseen styles less so; afterwards the
 # > unseen ones lie apart at places of their own ([M22] Fig. 11).
 #
-# Codes of up to 50 walking clips a style, as many as its training frames give. Silhouette and nearest centroid are
-# taken in the space of the codes; a clip is left out of its own centroid. `after, alone` joins the codes of each new
-# style by its own generator with those of the known styles by the generator that they were learned with; `after,
-# together` has all codes by one generator. Checks: an untrained generator, and names shuffled.
+# Codes of up to 50 walking clips a style. Silhouette and nearest centroid are taken in the space of the codes; a clip
+# is left out of its own centroid. `after, alone` joins the codes of each new style by its own generator with those of
+# the known styles by theirs; `after, together` has all codes by one generator. Null models: an untrained generator, and
+# names shuffled.
 
 # %%
 codes = {"before": codes_of_clips(base, [*known, *new])}
@@ -215,10 +213,9 @@ Image(figures / "08_new_styles-codes.png", alt=alt)
 # %% [markdown]
 # The picture is t-SNE, whose distances mean little; the numbers above are the measure.
 #
-# A generator that learned new styles is no longer the one of the known styles: shown their clips again, it gives other
-# codes. Their stored codes stay, and so does their motion. But a generator that learned one style alone may give its
-# code whatever clip it is shown, and then a place of its own says little: so below, how many clips of known styles it
-# would still place right. In the table above, `after, together` is the fairer row.
+# The stored codes of known styles stay. But a generator that learned one style alone may give its code whatever clip it
+# is shown: below, how many clips of known styles it would still place right. So `after, together` is the fairer row
+# above.
 
 # %%
 again = {name: codes_of_clips(tuned.bundle, known) for name, tuned in alone.items()}
@@ -230,8 +227,8 @@ Markdown(markdown_table(["known styles' clips still nearest to their style"], {n
 # %% [markdown]
 # ## Walking in the new style
 #
-# Ten seconds straight on at the speed of the style's data, with the code before and after. The nearest real style is
-# found among all styles of the data.
+# Ten seconds straight on at the speed of the style's data. The nearest real style is found among all styles of the
+# data.
 
 # %%
 space = style_space([*known, *new], base.layout)
@@ -280,12 +277,12 @@ write_png(figures / "08_new_styles-strips.png", grid(cycle, Layout(frames=7, sca
 Image(figures / "08_new_styles-strips.png", alt=alt)
 
 # %% [markdown]
-# The style that gained most and the one that gained least, each with the data above and the character with the code
-# before and after fine-tuning below, at the same time steps.
+# The style that gained most and the one that gained least: the data above, the character before and after fine-tuning
+# below, at the same time steps.
 #
 # ## What a new style takes with the other models
 #
-# Values that one more style adds to each model that has a place for every style, and the values of a FiLM code.
+# Values that one more style adds to each model.
 
 
 # %%

@@ -1,13 +1,12 @@
 # %% [markdown]
 # # Global phase and PFNN
 #
-# Paper: [M18], Sections 3.1 and 5.1. Time: with every preset 1 minute, on `pfnn` as on the synthetic walker.
+# Paper: [M18], Sections 3.1 and 5.1. Time: 1 minute, on `pfnn` as on the synthetic walker.
 #
-# The network of 2018 has weights that change with one number, the phase: 0 where the right foot comes down, pi where
-# the left one does. How do the weights follow it, and how well is it read without a person who looks at every step?
-# Holden et al. published takes with phases labelled by hand and the weights they trained. With the data set `pfnn`
-# both are looked at here; on any other, only what needs neither: the spline's properties and the synthetic walker.
-# Takes, labels and weights: Holden, Komura and Saito 2017, for academic and non-commercial use.
+# The weights of the network of 2018 change with one number, the phase: 0 where the right foot comes down, pi where the
+# left one does. How do the weights follow it, and how well is it read without a person who looks at every step? With
+# the data set `pfnn` this is asked of hand-labelled takes and trained weights (Holden, Komura and Saito 2017, for
+# academic and non-commercial use).
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set to look at; pfnn for hand labels and trained weights
@@ -23,6 +22,7 @@ from matplotlib.figure import Figure
 from stylephase.data.archive import fetch
 from stylephase.data.catalogue import load_catalogue, load_clip
 from stylephase.data.registry import DATA, datasets, released_weights
+from stylephase.evaluation.budget.rows import built, parameters
 from stylephase.evaluation.labels import (
     footfalls,
     label_delays,
@@ -34,10 +34,11 @@ from stylephase.evaluation.labels import (
     steady_phase,
 )
 from stylephase.models import holden
+from stylephase.models.pfnn import adapters
 from stylephase.models.released_pfnn import load_pfnn
 from stylephase.models.spline import POINTS, catmull_rom
 from stylephase.models.synthesis import NetworkSettings
-from stylephase.models.zoo import WIDTHS_2018, build_synthesis
+from stylephase.models.zoo import WIDTHS_2018, Widths, build_synthesis
 from stylephase.motion.bvh import read_bvh
 from stylephase.motion.clip import forward_kinematics, velocities
 from stylephase.motion.contacts import ContactRule, foot_contacts
@@ -65,8 +66,7 @@ LEFT_OUT = Markdown(f"*Left out on `{dataset}`: this part needs the data set `pf
 #
 # > The weights at a phase are blended from four control points by a cyclic cubic Catmull-Rom spline ([M18] Eq. 1).
 #
-# Equation 1 as it stands, for one phase and four control points; the library's `catmull_rom` gives the same as four
-# coefficients for each of many phases, so that weights are blended by one product.
+# Equation 1 as it stands, beside the library's `catmull_rom`, which blends for many phases by one product.
 
 
 # %%
@@ -99,12 +99,11 @@ figure(
 )
 
 # %% [markdown]
-# What to look for: at each quarter one control point speaks alone; between two of them the neighbours on either side
-# take a little away, which keeps the slope continuous. The four always sum to one.
+# What to look for: at each quarter one control point speaks alone; between two of them the neighbours take a little
+# away, which keeps the slope continuous.
 #
-# Does a trained network obey it? Holden's release holds its weights at fifty phases. From four control points fitted
-# to all of them, those of phases 0, 7, 13, 29 and 41 of 50 should come back. A test that any blend would pass says
-# nothing, so straight lines between the control points are tried as well.
+# Does a trained network obey it? Holden's release holds its weights at fifty phases. From four control points fitted to
+# all of them, some of the fifty should come back. The null model blends in straight lines.
 
 # %%
 INDICES = (0, 7, 13, 29, 41)
@@ -152,15 +151,14 @@ shown
 # > A frame's phase is 0 at the contact of the right foot, pi at that of the left foot, and interpolated between.
 # > Approximate contacts are taken from the speed of the feet and cleaned by hand ([M18] 5.1).
 #
-# `global_phase` does so from contacts, and nobody cleans: gaps below 1/12 s are closed, contacts below 1/10 s dropped.
-# `fitted_phase` follows the release of the 2022 paper, which needs no contacts: in each second a sinusoid is fitted
-# that is high while the right foot swings and low while the left one does, and a cycle begins where it falls.
+# `global_phase` does so from contacts, without cleaning by hand: gaps below 1/12 s are closed, contacts below 1/10 s
+# dropped. `fitted_phase` follows the release of the 2022 paper and needs no contacts: in each second a sinusoid is
+# fitted that is high while the right foot swings and low while the left one does.
 #
 # ### A walker whose phase is known
 #
-# The synthetic walker knows when its feet come down. Of a steady walk any constant rate would be right, so each style
-# goes the way `TR1`, with stops, starts and changes of speed. Distances are circular, in cycles, after one offset for
-# each take; the null model goes at the take's mean rate.
+# Each style of the synthetic walker goes the way `TR1`, with stops, starts and changes of speed. Distances are
+# circular, in cycles, after one offset for each take; the null model goes at the take's mean rate.
 
 # %%
 WALKER = datasets()["synthetic"].contact
@@ -217,16 +215,13 @@ table(
 )
 
 # %% [markdown]
-# What to look for: in every style contacts give the phase within 0.04 cycles, in the median. The fitted phase blurs
-# every stop over the length of its intervals, and in the slowest styles a second is less than a cycle. `HopOnRight`
-# has no such phase and is left out.
+# What to look for: contacts give the phase within 0.04 cycles in every style, in the median. The fitted phase blurs
+# every stop. `HopOnRight` has no such phase and is left out.
 #
 # ### Against labels made by hand
 #
-# Two takes of Holden's, 120 frames a second. The labels skip steps: they rest for seconds while the person walks on,
-# and some "half cycles" last for several steps. Counted are only half cycles of at most a second. Both takes have a
-# mirrored copy; in one of them (`NewCaptures10`) the copy was labelled anew, so that two sets of labels of one motion
-# can be compared.
+# Two takes of Holden's. The labels skip steps, so only half cycles of at most a second are counted. The mirrored copy
+# of one take (`NewCaptures10`) was labelled anew, so that two sets of labels of one motion can be compared.
 
 # %%
 rule = datasets()["pfnn"].contact
@@ -272,10 +267,9 @@ shown
 
 # %% [markdown]
 # What to look for: contacts stay below the bounds, 0.07 for the median and 0.15 for the ninth decile; a constant rate,
-# although it knows the labels' mean rate, does not. `NewCaptures10` leads over rough ground, up to 0.8 m high: there a
-# foot that had to be near the floor would miss most contacts, so this data set's rule asks for speed alone. Its speed,
-# 0.3 m/s, was chosen with these takes in view; half and nearly twice of it serve as well. The fitted phase is as good
-# where steps follow one another (`NewCaptures10`) and worse where single steps stand between rests.
+# although it knows the labels' mean rate, does not. `NewCaptures10` leads over rough ground, so this data set's rule
+# asks for speed alone. That speed was chosen with these takes in view; half and nearly twice of it serve as well. The
+# fitted phase is worse where single steps stand between rests.
 #
 # Some seconds of that take:
 
@@ -311,15 +305,13 @@ if labelled:
 shown
 
 # %% [markdown]
-# What to look for: the dashed line has its zero where a bar of the right foot begins, and the black label a little
-# later, by an eighth of a cycle or so. From 10.1 to 11.5 s the label of the take skips two steps, which its mirrored
-# copy has: such stretches do not count. Spikes in the speeds, cut off here, are faults of the capture of one frame.
+# What to look for: the dashed line has its zero where a bar of the right foot begins, the black label a little later.
+# From 10.1 to 11.5 s the label skips two steps: such stretches do not count.
 #
 # ### Why labels come late, and how noisy they are
 #
-# Where in a step does a label put the foot down? Each label of 0 or pi with which a counted half cycle begins is
-# compared with moments of its own step: the end of the ankle's fall, which is about the heel's strike; the toe's first
-# frame below a speed; the middle of the stance.
+# Each label of 0 or pi with which a counted half cycle begins is compared with moments of its own step: the end of the
+# ankle's fall, about the heel's strike; the toe's first frame below a speed; the middle of the stance.
 
 # %%
 LIMITS = (0.3, 0.1, 0.05, 0.02)
@@ -378,14 +370,11 @@ if labelled:
 shown
 
 # %% [markdown]
-# What to look for: the labels of both takes stand, nearly to the frame, where the toe is first slower than 0.02 m/s.
-# The heel struck 0.14 to 0.32 s before, the toe fell below 0.3 m/s 0.13 s before and has its final height; the middle
-# of the stance is still to come, for about a quarter of it has gone by. So the labels mean a foot that rests, ours one
-# that lands, and the offset is no error of either. It also explains the labels' spread: a resting toe trembles at
-# about 0.03 m/s, so the first frame below 0.02 is partly chance. The mirrored copy of the same motion was labelled at
-# about 0.2 m/s, and needs hardly any offset.
+# What to look for: the labels of both takes stand, nearly to the frame, where the toe is first slower than 0.02 m/s. So
+# they mean a foot that rests, ours one that lands, and the offset is no error of either. A resting toe trembles, so
+# that first frame is partly chance.
 #
-# How well do two sets of labels of one motion agree? Over the frames that count in both:
+# How well do two sets of labels of one motion agree?
 
 # %%
 shown, ratio = LEFT_OUT, None
@@ -413,14 +402,13 @@ shown
 
 # %% [markdown]
 # What to look for: the automatic phase lies about as far from either set of labels as these lie from each other.
-# Nothing is to be won by cleaning it further, as far as these labels can tell.
 #
 # ## Fig. 2: the network
 #
 # > Three layers, every weight a function of the phase ([M18] Fig. 2).
 #
-# The same by hand: Equation 1 blends the weights of a row's phase, which are then an ordinary network. At a phase a
-# tenth of a cycle further the outputs must be others, or the check would pass a network that does not heed the phase.
+# The same by hand: Equation 1 blends the weights of a row's phase, which are then an ordinary network. A phase a tenth
+# of a cycle later must give other outputs.
 
 
 # %%
@@ -454,11 +442,10 @@ Markdown(f"layers {shapes}; largest difference {fig2_off:.1e}, a tenth of a cycl
 #
 # > 12 points of the trajectory, one in ten frames, and 31 joints make 234 values; 400 come out ([M18] 5.1).
 #
-# From the parts: a place and a facing for each point, position and velocity for each joint; out come the six points
-# from the present on, position, velocity and two axes for each joint, the change of phase, and the root's step and
-# turn. With both ends, from 60 frames before to 60 after, there would be 13 points and 238 values. The released
-# network of 2017 has the same points: near the root, neighbouring mean places lie as far apart as the root's mean
-# step takes it in ten frames.
+# A place and a facing for each point, position and velocity for each joint; out come the six points from the present
+# on, position, velocity and two axes for each joint, the change of phase, and the root's step and turn. With both ends
+# there would be 13 points and 238 values. The released network has the same points: near the root, its mean places lie
+# as far apart as the root goes in ten frames.
 
 # %%
 points, ahead = len(holden.SAMPLES), len(holden.FUTURE_SAMPLES)
@@ -494,13 +481,12 @@ if labelled:
 shown
 
 # %% [markdown]
-# What to look for: the takes turn to the left, with their copies to neither side, and the mean turn of what the
-# released network was trained on is a thousandth of its deviation, so that was mirrored as well.
+# What to look for: the takes turn to the left, with their copies to neither side; the data of the released network
+# hardly turn, so they were mirrored as well.
 #
 # ## What was recorded
 #
-# The takes of the paper were never published, so what it says of their number and length needs them. The normaliser
-# of all styles is open here.
+# The takes of the paper were never published, so what it says of their number and length needs them.
 
 
 # %%
@@ -524,9 +510,16 @@ if labelled:
     recorder.claim("m18-fig2-pfnn", value=fig2_off, verdict=REPRODUCED if holds else DIFFERS, note=note, n=5)
     note = f"of Holden's network, whose statistics put {spacing:.1f} frames between two points"
     judge("m18-trajectory-points", points == 12 and abs(spacing - 10) < 0.5, note, value=points)
-    note = "from the parts, with the joints of Holden's takes"
-    judge("m18-features-input", inputs == WIDTHS_2018.inputs, note, value=inputs)
-    judge("m18-features-output", outputs == WIDTHS_2018.outputs, note, value=outputs)
+    # The printed share of an adapter in the network tells nearly how many values go in and out together.
+    names = ("m18-features-input", "m18-features-output", "m18-full-adapter-share")
+    wide_in, wide_out, full_share = (recorder.catalogue.claims[name].paper_value for name in names)
+    whole = parameters(built("pfnn", Widths(inputs, 1, outputs), 0))
+    adapter = 100 * parameters(adapters("full", 1, 512).adapters[0]) / whole
+    fits = abs(adapter - full_share) < 0.05
+    note = f"from the parts, with the joints of Holden's takes; a full adapter is then {adapter:.2f} % of the network, "
+    note += f"in print {full_share}"
+    judge("m18-features-input", inputs == wide_in and fits, note, value=inputs)
+    judge("m18-features-output", outputs == wide_out and fits, note, value=outputs)
     even = abs(balance["takes and mirrored copies"]) < 0.05 * abs(balance["the takes"]) and abs(lean) < 0.01
     note = "degrees/s to the left of Holden's takes, alone and with their copies; the data of the network are even too"
     judge("m18-data-mirrored", even, note, value=[round(value, 2) for value in balance.values()], n=len(alone))

@@ -14,11 +14,10 @@
 # %% [markdown]
 # # Residual adapters
 #
-# Paper: [M18], Sections 3.2, 6 and 7.1, Table 1. Time: with every preset 1 minute.
+# Paper: [M18], Sections 3.2, 6 and 7.1, Table 1. Time: 1 minute.
 #
-# A style is a small network beside the big one. How small may it be? The paper compares three: a full matrix, a
-# diagonal, and a CP decomposition. This notebook is about their form, their memory and their time, and about how they
-# are trained; what they learn is told in notebook 12.
+# A style is a small network beside the big one: a full matrix, a diagonal, or a CP decomposition. How small may it be?
+# Here are form, memory, time and training; what adapters learn is told in notebook 12.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the run, without effect here
@@ -69,11 +68,11 @@ def judge(identifier: str, holds: bool, note: str = "", **measured) -> str:
 # %% [markdown]
 # ## Eq. 2 and 4: beside the second layer
 #
-# > An adapter adds a linear map of a layer's input to its output ([M18] Eq. 2); every weight depends on the phase
-# > (Eq. 4).
+# > An adapter adds a linear map of a layer's input to its output ([M18] Eq. 2); every weight depends on the phase (Eq.
+# > 4).
 #
-# `models/modulators.py` has `Adapters`; one adapter is an ordinary layer that the spline blends. So the second layer
-# with an adapter is the second layer with other weights, and with all adapters at zero it is the second layer.
+# So the second layer with an adapter is the second layer with other weights, and with all adapters at zero it is the
+# second layer.
 
 # %%
 torch.manual_seed(0)
@@ -95,8 +94,8 @@ Markdown(f"an adapter against added weights: {beside_off:.1e}; all adapters at z
 #
 # > `W(p) = A D(p) B^T`; only the diagonal depends on the phase ([M18] 7.1).
 #
-# The factors are the parameters, and no matrix is ever decomposed. Its full matrix at the control points gives the
-# same outputs, and has at most the rank of the factors.
+# The factors are the parameters. The full matrix at the control points gives the same outputs, and has at most the rank
+# of the factors.
 
 # %%
 layer = CpLayer(4, 32, 32, 5, bias_points=4).double()
@@ -110,7 +109,7 @@ assert cp_off < 1e-12 and rank == 5
 table(("factor", "shape"), *points.items())
 
 # %% [markdown]
-# The rank is a dial: from one value for each row and column to more than a full matrix has.
+# The rank is a dial:
 
 # %%
 RANKS = (1, 3, 10, 30, 100, 300)
@@ -135,8 +134,8 @@ table(
 )
 
 # %% [markdown]
-# So its MB are MiB. The third row is one unit off in the last place: 0.1255 prints as 0.125. Both its numbers fit a
-# bias with four control points that is not stored for every phase. The 2022 paper counts one bias instead.
+# So the paper's MB are MiB. The decomposed adapter at control points is one unit off in the last place. Both its
+# numbers fit a bias with four control points that is not stored for every phase.
 
 # %%
 text = shares()
@@ -147,12 +146,11 @@ table(
 
 # %%
 number = np.unique(np.geomspace(1, 1000, 40).astype(int))
-colours = dict(zip(KINDS, (palette.SEQUENCE[5], palette.SEQUENCE[6], palette.SEQUENCE[0]), strict=True))
 with plots.style():
     axes = Figure(figsize=(7.2, 3.2)).subplots()
     for kind, (trained, stored) in zip(KINDS, zip(memory[0::2], memory[1::2], strict=True), strict=True):
-        axes.plot(number, number * trained.counted, color=colours[kind], label=f"{kind}, control points")
-        axes.plot(number, number * stored.counted, color=colours[kind], linestyle=":", label=f"{kind}, 50 phases")
+        axes.plot(number, number * trained.counted, color=palette.ADAPTERS[kind], label=f"{kind}, control points")
+        axes.plot(number, number * stored.counted, ":", color=palette.ADAPTERS[kind], label=f"{kind}, 50 phases")
     axes.set(xscale="log", yscale="log", xlabel="styles (count)", ylabel="memory of the styles (MiB)")
     axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.3))
 alt = "Memory of the styles grows in proportion to their number: full adapters with stored phases reach 50 GiB at 1000."
@@ -162,9 +160,8 @@ Image(figures / "11_residual_adapters.png", alt=alt)
 # %% [markdown]
 # ## Table 1: time of a frame
 #
-# One thread, weights at 50 phases, by the clock of the processor, five runs. The times in print include some of the
-# editor, so the
-# ratio to the diagonal adapter says more than the milliseconds.
+# One thread, weights at 50 phases, by the clock of the processor, five runs. The printed times include some of the
+# editor, so the ratio to the diagonal adapter says more.
 
 # %%
 PRINTED = {"pfnn-full": 1.3, "pfnn-diag": 1.0, "pfnn-cp": 1.1}
@@ -177,8 +174,7 @@ table(
 )
 
 # %% [markdown]
-# The last row is the paper's aside: every layer of the PFNN decomposed. It is measured on the original network's sizes
-# below. What it saves in time is saved in memory traffic.
+# In the last row every layer of the PFNN is decomposed, as the paper mentions. On the original network's sizes:
 
 # %%
 holden = frame_times(dict.fromkeys(("pfnn", "cp-pfnn"), Widths(342, 1, 311)), styles=0)
@@ -188,9 +184,8 @@ Markdown(f"decomposed in whole: {speed_up:.1f} times as fast")
 # %% [markdown]
 # ## The network of Fig. 4
 #
-# Checks on the module that is trained, with eight base styles: which hidden layers change with the style alone, what
-# has to be told for a frame, which parameters of an adapter a gradient reaches, and how many sets of weights a thousand
-# phases around the circle are run with.
+# Checks with eight base styles: which hidden layers change with the style alone, what has to be told for a frame, which
+# parameters of an adapter a gradient reaches, and how many sets of weights serve the circle of phases.
 
 # %%
 base = build("pfnn-cp", WIDTHS_2018, 8, NetworkSettings())
@@ -221,10 +216,9 @@ table(
 # > The loss is the error plus L1 terms on what the styles share and on each style's own ([M18] Eq. 3), over all frames
 # > of the eight styles (Eq. 5).
 #
-# Eight styles of the walker, whatever data set this run names. Eq. 3: the slope of its L1 terms at each weight is the
-# sign of the weight times 0.01, over the number of weights of that kind (a mean, as in the release, where the paper
-# prints the norm). Eq. 5: the gradient of the error over frames of all styles at once is the mean of the gradients
-# style by style, which the steps take one after the other (Fig. 5, in notebook 12).
+# Eight styles of the walker. Eq. 3: the slope of its L1 terms at each weight is the sign of the weight times 0.01, over
+# the number of weights of that kind (a mean, as in the release). Eq. 5: the gradient over all styles at once is the
+# mean of the gradients style by style.
 
 # %%
 catalogue = load_catalogue("synthetic", load_catalogue("synthetic").styles[:8])

@@ -15,11 +15,10 @@
 # # Few-shot learning
 #
 # Paper: [M18], Sections 6, 7, 8.1 and 9.1, Figs. 1, 5, 6, 7, Tables 1 and 2. Time: preset quick half a minute, preset
-# cpu about 10 minutes, after the training of two bases.
+# cpu 10 minutes, after the training of two bases.
 #
-# A network that knows some styles learns another from one walk of a few seconds. The paper shows what came of it in a
-# video. Here each new style has other takes, of the same person in the same style on other ways, which nobody learns
-# from: what the network makes of their paths is held against them.
+# A network that knows some styles learns another from one walk of a few seconds. Each new style has other takes here,
+# on other ways, which nobody learns from: what the network makes of their paths is held against them.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the styles
@@ -108,9 +107,8 @@ Markdown(
 #
 # > Fifty styles with 55 to 2,241 frames and 1 to 25 cycles of walking ([M18] 5.2, Table 2).
 #
-# Of each style the straightest five seconds of its first walk, and of those whole cycles, from one coming down of a
-# foot to the next. A symmetric style is learned with its mirror image too. Distance is that of the mean cycle from the
-# nearest base style's.
+# Of each style the straightest five seconds of its first walk, cut to whole cycles. A symmetric style is learned with
+# its mirror image too. Distance is that of the mean cycle from the nearest base style's.
 
 # %%
 counts = {s.name: (len(s.cycles.rows()), len(s.cycles)) for s in study.styles}
@@ -127,7 +125,7 @@ table(
 #
 # > Each minibatch holds one style, the styles follow one another, and all share the grey weights ([M18] 6, Fig. 5).
 #
-# The trainer's own order of styles, with the gradients of one batch of each: which weights a step can change at all.
+# The trainer's own order of styles: which weights a step of each can change.
 
 # %%
 how = preset_for(preset, "pfnn-cp")
@@ -169,9 +167,9 @@ table(
 #
 # > All is frozen but a new adapter, with dropout in front of it ([M18] 7).
 #
-# `training/fewshot.py`. A way to learn is an adapter, its dropout and its L1 weight; every way learns all styles. The
-# rivals train a whole PFNN for each style: on the clip alone, or from the neutral base on. `neutral style` and
-# `average` are no learning at all: the base's own neutral adapter, and none.
+# A way to learn is an adapter, its dropout and its L1 weight. The rivals train a whole PFNN for each style: on the clip
+# alone, or from the neutral base on. The null models learn nothing: the base's own neutral adapter, and none
+# (`average`).
 
 # %%
 ways = {
@@ -210,10 +208,9 @@ def row_of(one) -> tuple:
 table(("way", "unseen walks (cm)", "own style nearest (%)", *gaits), *(row_of(one) for one in (again, *found.values())))
 
 # %% [markdown]
-# Median over styles with its interval, then the median by gait. The number is the mean distance of joints over a cycle,
-# phase aligned. A network is led along the recorded path from the take's first pose; the first second does not count.
-# Chance for the nearest style is one in the number of styles. `the clip again` repeats the clip's mean cycle whatever
-# the path: a network that is worse has learned nothing of other ways.
+# Median over styles with its interval, then the median by gait, of the mean distance of joints over a cycle, phase
+# aligned. A network is led along the recorded path from the take's first pose. `the clip again` repeats the clip's mean
+# cycle: a network that is worse has learned nothing of other ways.
 
 # %%
 far_off = {
@@ -228,9 +225,9 @@ Markdown(
 # > One mean and deviation serve all styles, since they carry style themselves ([M18] 5.1); normalising each style by
 # > itself keeps more detail but generalises badly (9.3).
 #
-# Do statistics carry style? The mean pose of an unseen walk, normalised as the base is, against those of the clips:
-# with statistics of its own each walk's mean would be nothing, and chance be left. What own statistics gain is looked
-# for along the clip itself, as the share of movement above 5 Hz over the clip's; what they cost is in the table above.
+# Do statistics carry style? The mean pose of an unseen walk, normalised as the base is, is held against those of the
+# clips. What own statistics gain is the share of movement above 5 Hz that is kept; what they cost is in the table
+# above.
 
 # %%
 BASES, OWN = "the base's", "the clip's own"
@@ -290,9 +287,8 @@ Markdown(
 # > Rivals match the clip's path and break on others (Fig. 6); a full adapter may not turn left, a diagonal one comes
 # > out average (Fig. 7).
 #
-# Every style walks free, with the controller, straight on and round circles at its clip's speed. It breaks where bones
-# are off their lengths by more than a tenth, the path is missed by half a metre, the hips are too high or low, or it
-# hardly moves.
+# Every style walks free, straight on and round circles. A walk breaks where bones are off their lengths by more than a
+# tenth, the path is missed by half a metre, the hips are too high or low, or it hardly moves.
 
 # %%
 courses = {
@@ -335,16 +331,14 @@ table(
 )
 
 # %% [markdown]
-# Bones, skate and path are medians over the courses that hold. The recogniser is that of notebook 14 with recorded
-# walks of the new and the base styles.
+# Bones, skate and path are medians over the courses that hold. The recogniser is that of notebook 14.
 #
 # ## One cycle each: the styles of Xia et al.
 #
 # > For some styles a single cycle is there ([M18] 5.2).
 #
-# So it is for Xia's eight styles. They are on CMU's skeleton and are carried over to the base's body by joint name and
-# mean pose; `off` is how far joints then are from where they were, of which the part beside the bodies' proportions is
-# movement. Only beside Bandai-Namco's body, and where the clips are at hand.
+# So it is for Xia's eight styles, carried over from CMU's skeleton by joint name and mean pose; `off` is how far joints
+# then are from where they were.
 
 # %%
 xia = dataset == "bandai-namco" and where(XIA) != "nowhere"
@@ -435,7 +429,6 @@ picture(motions, "fig7", alt, frames=7)
 #
 # > Scarce or far styles need stronger regularisation; L1 weights or fewer factors do about as well ([M18] 7.2).
 #
-# One, two or all cycles of each clip; dropout of several rates; without dropout, fewer factors or a larger L1 weight.
 # The median says how near a style comes, the mean, of errors up to a metre, how often it breaks as well.
 
 # %%
@@ -495,9 +488,9 @@ figure(
 #
 # > The rate was chosen for each style by a grid search and by eye; a heuristic may do better ([M18] 7.2).
 #
-# Our rule looks at the number of cycles or at the distance from the base styles, and names one rate below a border and
-# another above it. Border and rates are made without the style that they are tested on. `one rate` is the best rate of
-# the other styles, `by hindsight` the best of each clip.
+# Our rule names one rate below a border, of the number of cycles or of the distance from the base styles, and another
+# above it, made without the style that it is tested on. `one rate` is the best rate of the other styles, `by hindsight`
+# the best of each clip.
 
 # %%
 tried = [(s, k, c) for c in amounts for k, s in enumerate(study.names)]
@@ -585,9 +578,8 @@ Markdown(
 #
 # > With all adapters at zero the motion is close to a neutral walk, and snaps slightly in quick turns ([M18] 8.1).
 #
-# Its mean cycle on unseen paths against a recorded walk of each base style. Then all base styles and the average turn
-# by half a circle at once; a jolt is the largest mean acceleration of the joints, seen from the root, over a tenth of a
-# second, as a multiple of that on the way straight on. Recorded turns have jolts too.
+# Its mean cycle against a recorded walk of each base style. Then all turn by half a circle at once; a jolt is the
+# largest mean acceleration of the joints over a tenth of a second, as a multiple of that on the way straight on.
 
 # %%
 average_cycle = np.mean([c for k, c in found["average"].cycles.items() if k[1] in WALKING and c is not None], axis=0)

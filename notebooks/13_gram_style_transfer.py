@@ -14,13 +14,11 @@
 # %% [markdown]
 # # Style transfer by Gram matrices
 #
-# Paper: [M18], Section 8.2. Time: preset quick half a minute, preset cpu about six minutes, after a training of the
-# base.
+# Paper: [M18], Section 8.2. Time: preset quick half a minute, preset cpu six minutes, after a training of the base.
 #
-# The rival: Holden, Saito and Komura 2016 take a finished neutral motion and give it the style of another clip. A
-# motion autoencoder encodes both; the hidden units of the neutral one are optimised until they go together over time
-# (their Gram matrix) as those of the style clip do. [M18] compares by eye, in a video. Here both are measured against
-# real walks of the style that neither the style clip nor the autoencoder holds.
+# The rival, Holden, Saito and Komura 2016, gives a finished neutral motion the style of another clip: a motion
+# autoencoder encodes both, and the hidden units of the neutral one are optimised until their Gram matrix over time is
+# that of the clip. Here both are measured against real walks of the style that neither saw.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set of the styles
@@ -83,7 +81,7 @@ Markdown(
 # ## The material
 #
 # Of each style: one clip of straight walking that shows the style, and other walks to judge by. The autoencoder trains
-# on all takes of all styles but these, mirrored where a style is symmetric.
+# on all takes but these.
 
 # %%
 clips = {style: channels_of(materials[style].style, materials[style].clip, layout) for style in materials}
@@ -101,8 +99,7 @@ table(("content", "s"), *((name, f"{len(content) / FPS:.1f}") for name, content 
 # %% [markdown]
 # ## The autoencoder
 #
-# `models/autoencoder.py`: one layer of 256 filters over 25 frames, ReLU, the larger of each two frames, and back by the
-# same weights.
+# One layer of 256 filters over 25 frames, ReLU, the larger of each two frames, and back by the same weights.
 
 # %%
 how = AutoencoderTraining(steps=100) if quick else AutoencoderTraining()
@@ -122,9 +119,9 @@ Markdown(
 # %% [markdown]
 # ## The transfer
 #
-# `runtime/gram.py`: 250 steps of Adam from noise towards the style clip's Gram matrix and the content's hidden units,
-# then steps that also ask for the content's path at the new speed, bones of their length and feet that stand. Twice:
-# with the Gram matrix of the one clip, and with that of all walks that the autoencoder knows of the style.
+# 250 steps of Adam from noise towards the style clip's Gram matrix and the content's hidden units, then steps that also
+# ask for the content's path at the new speed, bones of their length and feet that stand. Twice: with the Gram matrix of
+# the one clip, and of all walks that the autoencoder knows.
 
 # %%
 settings, anatomy = GramSettings(steps=40, corrections=20) if quick else GramSettings(), anatomy_of(body)
@@ -139,9 +136,8 @@ rich, _ = rival.transfers(network, {straight: contents[straight]}, whole, anatom
 #
 # > A neutral clip is stylised, and the trajectory of the result then drives the controller ([M18] 8.2).
 #
-# The character begins at a frame of the style's data, walks straight on for two seconds, and then follows the stylised
-# motion's path: at every frame the coming second of that path is what its network is told. Only what comes then is
-# judged. A character that follows nothing goes straight on.
+# The character walks straight on for two seconds, and then is told the coming second of the stylised motion's path at
+# every frame. Only what comes then is judged. The null model goes straight on.
 
 # %%
 styles = [materials[style].style for style in targets]
@@ -165,10 +161,10 @@ figure(paths_plot(shown_paths, ("stylised motion's path", "ours")), figures / "1
 # %% [markdown]
 # ## Which is nearer to real motion of the style?
 #
-# Distance: how far the mean window of two seconds lies from that of the unseen walks, between the styles, in deviations
-# within a style. Other style: windows that the recogniser, which learned all recorded walks, takes for another one.
-# Sliding: speed of the toes near the ground. Two checks must fail: the content unchanged, and the motion with another
-# style's Gram matrix. Median and interval over styles, straight walking.
+# Distance: how far the mean window of two seconds lies from that of the unseen walks, in deviations within a style.
+# Other style: windows that the recogniser, which learned all recorded walks, takes for another one. Sliding: speed of
+# the toes near the ground. Two null models must fail: the content unchanged, and another style's Gram matrix. Median
+# and interval over styles, straight walking.
 
 # %%
 reference = reference_of(store, catalogue.styles)
@@ -201,7 +197,7 @@ panel = distances_plot({name: values[name]["distance"] for name in drawn}, targe
 figure(panel, figures / "13_gram_style_transfer-distances.png", alt)
 
 # %% [markdown]
-# The same on the turns, which no style clip shows. The recorded walks go straight, so distances are larger for all.
+# The same on the turns. The recorded walks go straight, so distances are larger for all.
 
 # %%
 turns = [name for name in made if "turn" in name]
@@ -250,9 +246,8 @@ Image(figures / "13_gram_style_transfer-turn.png", alt=alt)
 # %% [markdown]
 # ## Cost
 #
-# Seconds of one processor for a second of motion of one character, training not counted: the autoencoder's is about a
-# minute, ours half an hour. The transfer has to know the whole motion before it begins; the controller goes on frame by
-# frame.
+# Seconds of one processor for a second of motion of one character, training not counted. The transfer has to know the
+# whole motion before it begins.
 
 # %%
 cost = gram_seconds / ours_seconds

@@ -14,12 +14,11 @@
 # %% [markdown]
 # # Measuring style
 #
-# Paper: [M18], Sections 9.2 and 9.3; [M22], Section 5.2.2. Time: a minute with preset quick, five minutes with preset
-# cpu, after a training of each model.
+# Paper: [M18], Sections 9.2 and 9.3; [M22], Section 5.2.2. Time: preset quick a minute, preset cpu five minutes, after
+# a training of each model.
 #
-# Both papers judge motion by eye: the first says that it knows no metric, the second that its error does not track
-# quality. Here are some, each of which has to earn its place first: it must worsen under damage that is known, and find
-# little wrong with real motion that it has not seen. Those that do not are dropped, by name.
+# Both papers judge motion by eye. Each measure here has to earn its place: it must worsen under known damage, and find
+# little wrong with unseen real motion. Those that do not are dropped.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the networks were trained on
@@ -61,8 +60,8 @@ table(
 # %% [markdown]
 # ## Real walks that the measures have not seen
 #
-# Each recorded walk is cut in two. The first halves make the reference, the second halves are judged: what is found
-# wrong with them is found wrong with nothing. Styles whose walks are too short for that are left out here.
+# The first halves of recorded walks make the reference, the second halves are judged. What is found wrong with them is
+# found wrong with nothing.
 
 # %%
 names = list(held)
@@ -83,16 +82,16 @@ Markdown(
 # %% [markdown]
 # ## Known damage
 #
-# The second halves are damaged in eight ways, in five degrees each. A number is the rank correlation between degree and
-# measure in the median style; bold where it is 0.9 at least and where middling damage is worse than what nine of ten
-# undamaged styles have. A box is what the measure is there for, which was written down before. The other numbers tell
-# what else moves it.
+# Eight kinds of damage, in five degrees each. A number is the rank correlation between degree and measure in the median
+# style; bold where it is 0.9 at least and where middling damage is worse than what nine of ten undamaged styles have. A
+# box is what the measure is there for, written down beforehand.
 
 # %%
 trials = try_measures(first, held)
 kept = kept_measures(trials)
 dropped = [name for name in MEASURES if name not in kept]
-alt = "Rank correlation of nine measures with the degree of eight kinds of damage to recorded walks."
+damages = len(next(iter(trials.values())))
+alt = f"Rank correlation of {len(trials)} measures with the degree of {damages} kinds of damage to recorded walks."
 figure(damage_map(trials, UNITS), figures / "14_measuring_style-damage.png", alt)
 
 # %%
@@ -101,9 +100,9 @@ Markdown(f"Kept: {', '.join(kept)}. Dropped: {', '.join(dropped) or 'none'}.")
 # %% [markdown]
 # ## All models
 #
-# Every style walks straight on for twenty seconds at its data's speed, and what comes after three seconds is measured
-# against all recorded walks of the style. Intervals over styles, and over seeds where there are several. The dashed
-# line is what second halves of real walks have.
+# Every style walks straight on for twenty seconds at its data's speed; after three seconds it is measured against all
+# recorded walks of the style. Intervals over styles, and over seeds where there are several. The dashed line is what
+# second halves of real walks have.
 
 
 # %%
@@ -137,7 +136,7 @@ table(("model", *(f"{name} ({UNITS[name]})" for name in kept)), *rows)
 # ## Which remarks of the papers do the measures support?
 #
 # Differences between two models over styles; below zero the first is better. `by chance` is the share of random
-# exchanges of the two models' labels within styles that make the difference as large.
+# exchanges of the models' labels within styles that make the difference as large.
 
 # %%
 PAIRS = {

@@ -14,7 +14,7 @@
 # %% [markdown]
 # # Your own motion capture
 #
-# Beyond [M18] and [M22], which work on their own capture. Time: preset quick a minute, real examples some minutes.
+# Beyond [M18] and [M22]. Time: preset quick a minute, real examples some minutes.
 #
 # A folder of BVH files goes in, a character that walks like them comes out. Set `folder` to yours: a sub-folder for
 # each style, or file names that begin with the style and an underscore. Left empty, examples show what to expect.
@@ -66,9 +66,9 @@ Markdown(f"Folders: {', '.join(folders)}.")
 # %% [markdown]
 # ## What is in the files?
 #
-# The same as `stylephase inspect FOLDER`: joints by name, unit from the length of the legs, gait from where the hips
-# face and go, steps and contacts, and how much of each limb's movement a sinusoid of its phase explains (left hand,
-# right hand, left foot, right foot). `unusable` has a reason that you can mend; other remarks say what will be worse.
+# As `stylephase inspect FOLDER` tells: joints by name, unit from the length of the legs, gait from where the hips face
+# and go, steps and contacts, and how much of each limb's movement a sinusoid of its phase explains (left hand, right
+# hand, left foot, right foot).
 
 # %%
 reports = {kind: own_motion.inspected(path) for kind, path in folders.items()}
@@ -80,9 +80,9 @@ for kind, report in reports.items():
 # %% [markdown]
 # ## Learn and walk
 #
-# Where weights of this project know the skeleton, the files become one new style by fine-tuning, in a minute. Else a
-# small network learns all styles of the folder anew. Then each style walks for eight seconds at the speed of its data,
-# from a pose of its data, with its feet grounded; the first of them is written as BVH and read back.
+# Where weights of this project know the skeleton, the files become one new style by fine-tuning. Else a small network
+# learns all styles anew. Then each style walks for eight seconds at the speed of its data, with its feet grounded; the
+# first is written as BVH and read back.
 
 # %%
 driven = {kind: own_motion.learn_and_drive(report, working / kind, steps) for kind, report in reports.items()}

@@ -47,8 +47,8 @@ def along_plot(blends: Mapping[str, Sequence[Blend]]) -> list[Axes]:
             axes.plot([0, 1], [0, 1], color=palette.HIGHLIGHT, linestyle="--", linewidth=1.0)
             axes.plot(shares, along.T, color=colour, linewidth=0.7, alpha=0.45)
             axes.plot(shares, np.median(along, axis=0), color=colour, linewidth=2.6)
-            axes.set(xlabel="share of the second style", ylim=(-0.25, 1.3), title=name)
-        panels[0].set_ylabel("way from first style to second")
+            axes.set(xlabel="second style (share)", ylim=(-0.25, 1.3), title=name)
+        panels[0].set_ylabel("way from first style to second (share)")
     return panels
 
 

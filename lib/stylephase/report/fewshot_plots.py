@@ -13,20 +13,22 @@ from stylephase.evaluation.fewshot import Middle
 from stylephase.report import palette, plots
 
 _WIDTH = 7.2
+_MARKERS = ("o", "^", "s", "D")
 
 
 def ways(errors: Mapping[str, Middle], floor: float) -> Axes:
     """Pose error of every way to learn with its interval; a dashed line at what repeating the clip comes to."""
     with plots.style():
         axes = Figure(figsize=(_WIDTH, 0.3 * len(errors) + 0.9)).subplots()
-        for row, (value, low, high) in enumerate((m.value, m.low, m.high) for m in errors.values()):
-            axes.plot([low, high], [row, row], color=palette.QUIET, linewidth=2)
-            axes.plot(value, row, "o", color=palette.SEQUENCE[0])
+        for row, (name, error) in enumerate(errors.items()):
+            colour = palette.colour_of_adapter(name)
+            axes.plot([error.low, error.high], [row, row], color=colour, linewidth=2)
+            axes.plot(error.value, row, "o", color=colour)
         axes.axvline(floor, color=palette.INK, linestyle="--", linewidth=1, label="the clip's own cycle again")
         axes.set_yticks(range(len(errors)), list(errors))
         axes.invert_yaxis()
         axes.set(xlabel="pose error on unseen walks (cm), phase aligned; median and interval over styles", xscale="log")
-        axes.legend(loc="lower right")
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1))
     return axes
 
 
@@ -38,11 +40,12 @@ def sweeps(panels: Mapping[str, Mapping[str, Mapping[float, Middle]]], labels: M
         for axes, (title, lines) in zip(row, panels.items(), strict=True):
             for k, (label, points) in enumerate(lines.items()):
                 at, values = list(points), list(points.values())
-                colour = palette.SEQUENCE[k % len(palette.SEQUENCE)]
-                axes.plot(at, [m.value for m in values], marker="o", color=colour, label=label)
+                colour = palette.colour_of_adapter(label, palette.SEQUENCE[k % len(palette.SEQUENCE)])
+                marker = _MARKERS[k % len(_MARKERS)]
+                axes.plot(at, [m.value for m in values], marker=marker, color=colour, label=label)
                 low, high = ([getattr(m, end) for m in values] for end in ("low", "high"))
                 # A little apart, so that one line does not hide the next.
-            axes.vlines(np.array(at) + 0.012 * k * np.ptp(at), low, high, color=colour, linewidth=1.2, alpha=0.6)
+                axes.vlines(np.array(at) + 0.012 * k * np.ptp(at), low, high, color=colour, linewidth=1.2, alpha=0.6)
             axes.set(title=title, xlabel=labels[title])
             axes.legend()
         row[0].set_ylabel("mean pose error (cm)")

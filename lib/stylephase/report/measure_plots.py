@@ -29,7 +29,7 @@ def damage_map(trials: Mapping[str, Mapping[str, Trial]], units: Mapping[str, st
         axes.imshow(rises, cmap="PuOr", vmin=-1.4, vmax=1.4, aspect="auto")
         for row, some in enumerate(trials.values()):
             for column, trial in enumerate(some.values()):
-                weight, ink = "bold" if trial.passes else "normal", "white" if abs(trial.rises) > 0.7 else palette.INK
+                weight, ink = "bold" if trial.passes else "normal", "white" if trial.rises > 0.7 else palette.INK
                 told = {"ha": "center", "va": "center", "fontsize": 8, "weight": weight, "color": ink}
                 axes.text(column, row, f"{trial.rises:.2f}", **told)
                 if trial.meant:

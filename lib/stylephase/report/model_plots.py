@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 
 from stylephase.report import palette, plots
@@ -65,8 +66,11 @@ def against(
             panel.set_title(f"{quantity}\n{notes.get(quantity, '')}", fontsize=9, weight="normal")
         for panel in panels[len(ys) :]:
             panel.set_axis_off()
-        for panel in panels[-columns:]:
+        panels[0].xaxis.set_major_locator(MaxNLocator(3))
+        # The lowest panel of each column that shows something.
+        for panel in panels[max(len(ys) - columns, 0) : len(ys)]:
             panel.set(xlabel=x_is)
+            panel.tick_params(labelbottom=True)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return panels
@@ -82,21 +86,25 @@ def ratios(
     rng = np.random.default_rng(seed)
     with plots.style():
         axes = Figure(figsize=(_WIDTH, 0.42 * len(values) + 1.2)).subplots()
+        any_beyond = False
         for row, (model, cases) in enumerate(values.items()):
             heights = row + rng.uniform(-_SCATTER, _SCATTER, len(cases))
             look = {"color": palette.colour_of(model), "alpha": 0.7, "markersize": 5, "markeredgewidth": 0}
             beyond = cases > _FURTHEST
             axes.plot(cases[~beyond], heights[~beyond], "o", **look)
             axes.plot(np.full(beyond.sum(), _FURTHEST), heights[beyond], ">", **look)
+            any_beyond |= bool(beyond.any())
             axes.plot([np.median(cases)] * 2, [row - 0.4, row + 0.4], color=palette.INK, linewidth=1.6)
         for k, (at, name) in enumerate(marks):
             dashes = (":", "--")[k % 2]
             axes.axvline(at, color=palette.HIGHLIGHT, linestyle=dashes, linewidth=1.2, label=name)
+        if any_beyond:
+            axes.plot([], [], ">", color=palette.QUIET, markersize=5, label=f"above {_FURTHEST}")
         axes.set_yticks(range(len(values)), list(values))
         axes.set(xlabel=quantity)
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)
-        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3)
     return axes
 
 
@@ -112,7 +120,7 @@ def curves(
             for column, (side, colour) in enumerate((("left", left), ("right", right))):
                 panel.plot(np.arange(len(values)) / fps, values[:, column], color=colour, label=side)
             panel.set_title(name, fontsize=10)
-        panels[len(panels) // 2].set_ylabel(quantity)
+        figure.supylabel(quantity, fontsize=plots.STYLE["axes.labelsize"])
         panels[-1].set(xlabel="time (s)")
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return panels

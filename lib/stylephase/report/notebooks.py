@@ -9,11 +9,13 @@ A notebook is a percent script, notebooks/NN_name.py. Beside it lies NN_name.ipy
 
 import argparse
 import copy
+import json
 import re
 import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +28,14 @@ from papermill.exceptions import PapermillExecutionError
 
 from stylephase.errors import InputError
 from stylephase.files import replacing
+from stylephase.report import made
 from stylephase.report.manifest import ROOT
 from stylephase.report.parameters import Parameter, checked, parameters
 
 KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
 INJECTED = "injected-parameters"
+# Tells at the end what the kernel ran and read; the cell is not part of the copy.
+_TELLING = "from stylephase.report import ran\n\nprint(ran.told())"
 FAILED, BAD_INPUT = 1, 2
 MOST_BYTES = 1_000_000
 
@@ -77,6 +82,16 @@ def read_script(source: Path) -> NotebookNode:
     for number, cell in enumerate(notebook.cells):
         cell.id = f"cell-{number:02d}"
     return notebook
+
+
+def code_cells(notebook: NotebookNode) -> list[str]:
+    """The sources of its cells of code, without those that were added."""
+    return [cell.source for cell in own_cells(notebook) if cell.cell_type == "code"]
+
+
+def own_cells(notebook: NotebookNode) -> list[NotebookNode]:
+    """All cells but the one of given parameters, which papermill adds."""
+    return [cell for cell in notebook.cells if INJECTED not in cell.metadata.get("tags", [])]
 
 
 def write_notebook(notebook: NotebookNode, path: Path) -> None:
@@ -128,20 +143,28 @@ def run(
 ) -> Path:
     """Execute a notebook from the top folder of the repository and return the executed copy in `out`.
 
-    `out` is build/notebooks unless given. Raises InputError for bad parameters, and when a cell raises InputError;
-    NotebookFailed when a cell fails, takes too long or the kernel dies. Then the copy so far is
-    build/notebooks/NN_name.partial.ipynb, and an earlier copy in `out` stays as it was.
+    `out` is build/notebooks unless given; NN_name.made.json beside the copy tells what it was made with. Raises
+    InputError for bad parameters, and when a cell raises InputError; NotebookFailed when a cell fails, takes too long
+    or the kernel dies. Then the copy so far is build/notebooks/NN_name.partial.ipynb, and an earlier copy in `out`
+    stays as it was.
     """
     source, working = find(name, root), root / "build" / "notebooks"
     prepared, partial = (working / f"{source.stem}.{kind}.ipynb" for kind in ("input", "partial"))
-    values = checked(given, declared_parameters(source), source)
-    write_notebook(read_script(source), prepared)
+    declared, script = declared_parameters(source), read_script(source)
+    values, cells = checked(given, declared, source), code_cells(script)
+    script.cells.append(nbformat.v4.new_code_cell(_TELLING, id="telling"))
+    write_notebook(script, prepared)
     clock = Clock(cell_seconds, run_seconds)
     notebook = _execute(prepared, partial, values, clock, source)
     prepared.unlink()
     partial.unlink()
-    target = (working if out is None else root / out) / f"{source.stem}.ipynb"
-    write_notebook(clean(notebook), target)
+    noted = json.loads("".join(output.text for output in notebook.cells.pop().outputs))
+    target, copied = (working if out is None else root / out) / f"{source.stem}.ipynb", clean(notebook)
+    figures = values.get("figures_folder", declared["figures_folder"].default)
+    entry = made.made_of(root, source.stem, values | {"figures_folder": figures}, cells, noted)
+    outputs = made.output_digests(root, source.stem, copied, figures)
+    write_notebook(copied, target)
+    made.write(target.with_suffix(".made.json"), replace(entry, outputs=outputs))
     return target
 
 
@@ -162,7 +185,7 @@ def _execute(prepared: Path, partial: Path, values: dict[str, Any], clock: Clock
             # A graceful shutdown sometimes takes three seconds.
             shutdown_kernel="immediate",
             # Without this every kernel warns that it listens on an unencrypted local port.
-            extra_arguments=["--IPKernelApp.log_level=40"],
+            extra_arguments=["--IPKernelApp.log_level=40", "--ext=stylephase.report.ran"],
         )
     except PapermillExecutionError as error:
         if error.ename == InputError.__name__:

@@ -99,7 +99,8 @@ def keep_usable(report: Report, folder: Path) -> Path:
 class Driven:
     """A character of one's own: how it was learned, the walks of its styles, and its motion as a file.
 
-    `round_trip` (mm) is the largest distance of a joint between the walk and the same read back from its BVH file.
+    `motions` are three seconds of the data and of the character. `round_trip` (mm) is the largest distance of a joint
+    between the walk and the same read back from its BVH file.
     """
 
     how: str
@@ -126,14 +127,20 @@ def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
     run = roll_out(bundle, codes, start, int(_DRIVEN_SECONDS * FPS), Steady(gains), grounded=True)
     walks = judge(run, bundle, styles, gains, style_space(styles, bundle.layout), settle=int(2 * FPS))
     name = styles[0].style
-    motions = {"data": data_walk(store, store.catalogue.styles[0], f"{store.catalogue.styles[0]}, data")}
+    motions = {"data": _middle(data_walk(store, store.catalogue.styles[0], f"{store.catalogue.styles[0]}, data"))}
     clip = to_clip(run, 0, bundle.body, name)
     pose = forward_kinematics(clip)
-    motions["ours"] = Motion(clip.skeleton, pose.positions, run.contacts[:, 0] > 0.5, label=f"{name}, ours")
+    motions["ours"] = _middle(Motion(clip.skeleton, pose.positions, run.contacts[:, 0] > 0.5, label=f"{name}, ours"))
     file = work / f"{name}.bvh"
     write_bvh(file, clip)
     off = np.linalg.norm(forward_kinematics(read_bvh(file, metres_per_unit=0.01)).positions - pose.positions, axis=-1)
     return Driven(how, walks, motions, 1000 * float(off.max()), file)
+
+
+def _middle(motion: Motion, seconds: float = 3.0) -> Motion:
+    """Some seconds from its middle: pictures further apart than that may meet the same pose again and again."""
+    start = max((len(motion) - int(seconds * FPS)) // 2, 0)
+    return motion.frames(start, min(start + int(seconds * FPS), len(motion)))
 
 
 # Weights, the styles to walk in, the vectors that they came from, and how it was learned.

@@ -26,6 +26,14 @@ MODELS = {
     "lpn-film": "#14246E",
 }
 
+# The adapters of [M18].
+ADAPTERS = {"full": "#D55E00", "diag": "#009E73", "cp": "#0072B2"}
+
+
+def colour_of_adapter(name: str, otherwise: str = QUIET) -> str:
+    """The colour of a kind of adapter by how its name begins (`CP on neutral`); `otherwise` for anything else."""
+    return next((colour for kind, colour in ADAPTERS.items() if name.lower().startswith(kind)), otherwise)
+
 
 def colour_of(name: str) -> str:
     """The colour of a model or end effector by its name; quiet grey for anything else, such as a naive predictor.

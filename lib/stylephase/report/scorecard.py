@@ -8,7 +8,7 @@ import argparse
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from stylephase.report.claims import (
     read_records,
     recorded_ids,
 )
+from stylephase.report.made import admitted
 from stylephase.report.manifest import ROOT
 
 OPEN, RECORDED = STATUSES
@@ -85,9 +86,21 @@ def main_table(catalogue: Catalogue, records: Iterable[Record], links: str) -> s
 
 
 def _main_row(claim: Claim, result: Result | None, links: str) -> str:
-    found = "; ".join(part for part in (result.note, shown(result.value, claim.unit)) if part) if result else ""
+    found = _found(result.value, claim.unit, result.note) if result else ""
     cells = (f"{claim.name} ({claim.paper}, {claim.where})", result.verdict if result else OPEN, found)
     return "| " + " | ".join([*map(_cell, cells), _link(claim, links) if result else claim.notebook[:2]]) + " |"
+
+
+def _found(value: Any, unit: str, note: str) -> str:
+    """A value and what its note says of it: once, where the note tells the same numbers.
+
+    >>> _found([0.02, 0.971], "", "share held: alone, ours"), _found([0.8669], "", "ratio 0.867 [0.8, 0.9]")
+    ('0.02 / 0.971: share held: alone, ours', 'ratio 0.867 [0.8, 0.9]')
+    """
+    parts = value if isinstance(value, list) else [value]
+    numbers = [f"{part:.3g}" if isinstance(part, int | float) and not isinstance(part, bool) else "" for part in parts]
+    said = note and all(number and number in note for number in numbers)
+    return note if said else ": ".join(part for part in (shown(value, unit), note) if part)
 
 
 def row(claim: Claim, result: Result | None, links: str) -> str:
@@ -121,9 +134,22 @@ def shown(value: Any, unit: str) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def section(catalogue: Catalogue, records: Sequence[Record]) -> str:
-    """The README's section, markers included: counts, the main claims, then all that were tested, folded away."""
-    parts = [BEGIN, summary(catalogue, records), ""]
+def older(stale: Mapping[str, str]) -> str:
+    """A sentence on the notebooks that are older than their code or data, with the reasons; "" where none is.
+
+    >>> older({"05_test_error": "its trainings take three hours"})
+    'Made by earlier code, not made again yet: 05 (its trainings take three hours).'
+    """
+    reasons = ", ".join(f"{name[:2]} ({reason})" for name, reason in sorted(stale.items()))
+    return f"Made by earlier code, not made again yet: {reasons}." if stale else ""
+
+
+def section(catalogue: Catalogue, records: Sequence[Record], stale: Mapping[str, str] | None = None) -> str:
+    """The README's section, markers included: counts, the main claims, then all that were tested, folded away.
+
+    `stale` are notebooks that are older than their code or data, with the reasons; they are named below the counts.
+    """
+    parts = [BEGIN, summary(catalogue, records), "", *([older(stale), ""] if stale else [])]
     if main := main_table(catalogue, records, "notebooks/"):
         parts += [main, ""]
     if tested := tables(catalogue, records, "notebooks/", only_tested=True):
@@ -153,7 +179,7 @@ def expected_files(root: Path = ROOT) -> dict[Path, str]:
     catalogue = read_claims(listed)
     records = read_records(root / "figures", catalogue)
     return {
-        readme: with_section(readme.read_text(encoding="utf-8"), section(catalogue, records), readme),
+        readme: with_section(readme.read_text(encoding="utf-8"), section(catalogue, records, admitted(root)), readme),
         listed: with_statuses(listed.read_text(encoding="utf-8"), recorded_ids(records)),
     }
 

@@ -14,6 +14,13 @@ from stylephase.report import palette, plots
 from stylephase.report.render.motion import Motion
 
 _MARKERS = ("s", "o", "^", "D", "v")
+_GRAM, _OURS = palette.SEQUENCE[1], palette.ADAPTERS["cp"]
+_COLOURS = {
+    "Gram, one clip": _GRAM,
+    "ours": _OURS,
+    "content unchanged": palette.SEQUENCE[2],
+    "style clip (real)": palette.SEQUENCE[3],
+}
 
 
 def motion_of(joints: Float[ndarray, "frames joints 3"], body: Body, label: str) -> Motion:
@@ -40,7 +47,7 @@ def distances_plot(distances: Mapping[str, Float[ndarray, " styles"]], styles: l
     with plots.style():
         axes = Figure(figsize=(7.2, 0.24 * len(styles) + 1.2)).subplots()
         for k, (name, values) in enumerate(distances.items()):
-            colour, marker = palette.SEQUENCE[k % len(palette.SEQUENCE)], _MARKERS[k % len(_MARKERS)]
+            colour, marker = _COLOURS.get(name, palette.QUIET), _MARKERS[k % len(_MARKERS)]
             axes.plot(values[order], range(len(styles)), marker, color=colour, markersize=6, label=name)
         axes.set_yticks(range(len(styles)), [styles[k] for k in order], fontsize=8)
         axes.set(xlabel="distance to real motion of the style (deviations within a style)", xlim=(0, None))
@@ -55,12 +62,11 @@ def paths_plot(
     with plots.style():
         panels = list(Figure(figsize=(7.2, 2.9)).subplots(1, len(paths), squeeze=False)[0])
         for axes, (title, pair) in zip(panels, paths.items(), strict=True):
-            for path, name, colour, line in zip(
-                pair, names, (palette.INK, palette.SEQUENCE[0]), ("--", "-"), strict=True
-            ):
+            for path, name, colour, line in zip(pair, names, (_GRAM, _OURS), ("--", "-"), strict=True):
                 # The character starts upwards and its left is at the left.
                 axes.plot(-path[:, 0], path[:, 1], line, color=colour, label=name)
-            axes.set(title=title, xlabel="to the right (m)")
+            axes.set(xlabel="to the right (m)")
+            axes.set_title(title, fontsize=9)
             axes.set_aspect("equal", adjustable="datalim")
         panels[0].set_ylabel("ahead (m)")
         panels[0].figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -125,7 +125,7 @@ class Trainer:
     def round(self) -> dict[str, float]:
         """One generator pass, the synthesis steps that its codes serve, and the generator's update."""
         self.network.train()
-        how, chosen = self.preset, self._chosen()
+        how, chosen = self.preset, self.styles_of_round()
         self._set_rates()
         codes = self._codes(chosen)
         shared = codes.detach().requires_grad_(codes.requires_grad)
@@ -138,8 +138,8 @@ class Trainer:
         mse, bll = self.team.mean(torch.tensor(errors, dtype=torch.float64).mean(dim=0)).tolist()
         return {"mse": mse, "bll": bll}
 
-    def _chosen(self) -> np.ndarray:
-        """The styles of a round: drawn, or the next ones in turn."""
+    def styles_of_round(self) -> np.ndarray:
+        """The styles of the next round, as numbers: drawn, or the next ones in turn."""
         how = self.preset
         if not how.in_turn:
             return self.sampler.draw_styles(how.styles_per_step)

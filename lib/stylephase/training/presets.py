@@ -91,6 +91,7 @@ PRESETS = {
         warm_up=0,
         decay_from=1.0,
         decay_to=1.0,
+        in_turn=True,
         phases="release",
         mixed=False,
         log_every=10_000,

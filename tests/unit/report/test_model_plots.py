@@ -37,9 +37,9 @@ def test_ratios_keep_their_values_and_marks():
         {"lpn-film": np.array([0.5, 1.0, 9.0])}, quantity="ratio", marks=[(1.0, "as in the data")]
     )
     drawn = [np.sort(np.asarray(line.get_xdata())).tolist() for line in axes.lines]
-    assert drawn == [[0.5, 1.0], [2.5], [1.0, 1.0], [1.0, 1.0]]
+    assert drawn == [[0.5, 1.0], [2.5], [1.0, 1.0], [1.0, 1.0], []]
     legend = axes.get_legend()
-    assert legend is not None and legend.get_texts()[0].get_text() == "as in the data"
+    assert legend is not None and [text.get_text() for text in legend.get_texts()] == ["as in the data", "above 2.5"]
 
 
 def test_curves_have_a_panel_each_and_both_sides():

@@ -95,7 +95,7 @@ def test_main_claims_are_told_first_with_what_was_found_and_open_ones_say_so(pro
     listed.write_text(LISTED.replace("at_most = 4935928\n", "at_most = 4935928\nmain = true\n"))
     table = scorecard.main_table(read_claims(listed), records, "n/")
     assert (
-        "| The network \\| its size. (M22, Table 2) | differs | one more than the paper's; 4,935,929 parameters"
+        "| The network \\| its size. (M22, Table 2) | differs | 4,935,929 parameters: one more than the paper's"
         in table
     )
     assert "[01](n/01_small.ipynb)" in table and "its time" not in table

@@ -16,11 +16,11 @@ from tqdm import tqdm
 
 from stylephase.errors import InputError
 from stylephase.files import replacing
-from stylephase.report import palette
 from stylephase.report.render.motion import Motion, facing_angles
 from stylephase.report.render.scene import (
     Character,
     add_ground,
+    add_label,
     add_lights,
     look,
     picture,
@@ -36,7 +36,7 @@ _ELEVATION = np.radians(14.0)
 _DISTANCE = 5.4
 _FOLLOW_SECONDS = 0.5
 _TARGET_HEIGHT = 0.92
-_LABEL_SIZE, _LABEL_PLACE = 12, (0.02, 0.98)
+_LABEL_SIZE, _LABEL_PLACE = 10, (0.02, 0.98)
 _FINER = 2
 _LINE_WIDTH = 1.2
 
@@ -129,10 +129,7 @@ class _Panel:
         add_ground(plotter, hips[:, [0, 2]], line_width=_LINE_WIDTH * _FINER)
         self._character = Character(plotter, motion, toward=self._toward, highlights=highlights)
         if motion.label:
-            size = _LABEL_SIZE * _FINER
-            text = plotter.add_text(
-                motion.label, position=_LABEL_PLACE, viewport=True, font_size=size, color=palette.INK
-            )
+            text = add_label(plotter, motion.label, place=_LABEL_PLACE, size=_LABEL_SIZE * _FINER)
             # Hung from its top, so that it fits however low the panel is and however many lines it has.
             text.prop.SetVerticalJustificationToTop()
 

@@ -5,10 +5,11 @@ pyvista is imported where it is first needed, as it takes about a second.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float, UInt8
+from matplotlib.font_manager import findfont
 from numpy import ndarray
 from PIL import Image
 from scipy.spatial import KDTree
@@ -42,6 +43,12 @@ def toward_eye(view: str, *, elevation: float, facing: float = 0.0) -> Float[nda
     angle = facing - _AZIMUTH[view]
     level = np.cos(elevation)
     return np.array([np.sin(angle) * level, np.sin(elevation), np.cos(angle) * level])
+
+
+def add_label(plotter: "pyvista.Plotter", label: str, *, place: tuple[float, float], size: int) -> Any:
+    """Write a label at a place (shares of the window), in the font of the plots; gives VTK's actor of the text."""
+    how = {"viewport": True, "color": palette.INK, "font_file": findfont("DejaVu Sans")}
+    return plotter.add_text(label, position=place, font_size=size, **how)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from stylephase.motion.root import hips_axes, hips_frame
 from stylephase.motion.skeleton import Skeleton
 from stylephase.report import palette
 from stylephase.report.render.motion import Motion, facing_angles
-from stylephase.report.render.scene import Character, add_lights, look, picture, reduced, stage, toward_eye
+from stylephase.report.render.scene import Character, add_label, add_lights, look, picture, reduced, stage, toward_eye
 
 if TYPE_CHECKING:
     import pyvista
@@ -72,8 +72,7 @@ def swing_picture(
         Character(plotter, motion, toward=toward).show(frame)
         for swing in drawn:
             _add(plotter, swing)
-        size = _LABEL_SIZE * _FINER
-        plotter.add_text(motion.label, position=_LABEL_PLACE, viewport=True, font_size=size, color=palette.INK)
+        add_label(plotter, motion.label, place=_LABEL_PLACE, size=_LABEL_SIZE * _FINER)
         look(plotter, centre, toward, height_shown=_HEIGHT)
         return reduced(picture(plotter), _FINER)
 

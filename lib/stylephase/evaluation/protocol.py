@@ -1,0 +1,116 @@
+"""The training of [M22] 4.3, checked on what it does: its batches, passes through the data, the bone-length term."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from stylephase.data.layouts import Entry
+from stylephase.evaluation.comparison import Effect, ratio
+from stylephase.evaluation.predictors import predict_network
+from stylephase.evaluation.test_error import error_of, test_rows
+from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.models.bundle import Bundle
+from stylephase.runtime.rollout import Tick, quiet
+from stylephase.training.loop import Trainer
+from stylephase.training.losses import bone_lengths
+from stylephase.training.presets import Preset
+
+# The styles of 100STYLE that [M22] 4.3 keeps back to learn later.
+KEPT_BACK = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
+# The held-out windows of a take: a tenth to validate and a tenth to test; transitions have none ([M22] release 4.1).
+_WINDOWS, _SHARE, _TRANSITION = 2, 10, "TR"
+
+
+def drawn_styles(
+    store: VectorStore, model: str, preset: Preset, name: str, rounds: int
+) -> Int[ndarray, "rounds styles"]:
+    """The styles in the batch of each of the first rounds of a training, as numbers."""
+    trainer = Trainer(store, model, preset, name, 0)
+    drawn = []
+    for _ in range(rounds):
+        drawn.append(trainer.styles_of_round())
+        trainer.step += preset.steps_per_code
+    return np.stack(drawn)
+
+
+def in_turn(drawn: Int[ndarray, "rounds styles"], styles: int) -> bool:
+    """Whether each batch holds one style, and all styles follow one another in the same order again and again."""
+    first = drawn[:styles, 0]
+    whole = len(drawn) // styles * styles
+    return (
+        drawn.shape[1] == 1
+        and len(np.unique(first)) == styles
+        and bool((drawn[:whole, 0].reshape(-1, styles) == first).all())
+    )
+
+
+def epochs(steps: int, batch: int, takes: Iterable[Entry]) -> float:
+    """Epochs of a training in which the styles of the takes follow one another, a batch of one style a step.
+
+    An epoch is one pass through the style of fewest training frames, less what does not fill a batch ([M22] 4.3,
+    release 4.5). Takes need their cuts; nine tenths less one of each train, of transitions all.
+    """
+    frames: dict[str, int] = {}
+    for take in takes:
+        assert take.stop is not None
+        length = take.stop - take.start
+        held_out = 0 if take.gait.startswith(_TRANSITION) else _WINDOWS * (length // _SHARE)
+        frames[take.style] = frames.get(take.style, 0) + length - held_out
+    return steps / (len(frames) * (min(frames.values()) // batch))
+
+
+def passes(preset: Preset, styles: Sequence[StyleVectors]) -> float:
+    """How often a training with a preset that draws its styles sees each frame of the style of fewest frames."""
+    counts = np.array([len(style.rows("train")) for style in styles], dtype=float)
+    drawn = preset.steps * min(preset.styles_per_step, len(styles)) * preset.frames_per_style
+    chance = counts**preset.style_power / (counts**preset.style_power).sum()
+    least = counts.argmin()
+    return float(drawn * chance[least] / counts[least])
+
+
+@dataclass(frozen=True)
+class BoneTerm:
+    """Bone-length error of networks trained without the bone-length term over that with it, on test frames.
+
+    `again` is a second seed with the term over the first: as far from 1 as nothing at all may lie. `squared` is the
+    same for the squared error, which the term might cost.
+    """
+
+    error: Effect
+    again: Effect
+    squared: Effect
+
+
+def try_bone_term(
+    store: VectorStore, preset: Preset, name: str, rng: np.random.Generator, model: str = "lpn-film", tick: Tick = quiet
+) -> BoneTerm:
+    """Train a model with the bone-length term of [M22] Eq. 5, without it, and with another seed."""
+    without = replace(preset, bone_weight=0.0)
+    held, flat, other = (
+        _errors(_train(store, model, how, name, seed, tick), store)
+        for how, seed in ((preset, 0), (without, 0), (preset, 1))
+    )
+    return BoneTerm(
+        error=ratio(flat[:1], held[:1], rng),
+        again=ratio(other[:1], held[:1], rng),
+        squared=ratio(flat[1:], held[1:], rng),
+    )
+
+
+def _train(store: VectorStore, model: str, preset: Preset, name: str, seed: int, tick: Tick) -> Bundle:
+    with TemporaryDirectory() as folder:
+        return Trainer(store, model, preset, name, seed).run(Path(folder), tick)
+
+
+def _errors(bundle: Bundle, store: VectorStore) -> Float[ndarray, "2 styles"]:
+    """Bone-length error (m) and squared error of each style that has test frames."""
+    lengths, errors = bone_lengths(bundle.body), []
+    for style in map(store.load, bundle.styles):
+        if len(test_rows(style)):
+            errors.append(error_of(predict_network(bundle, style.style), style, bundle, lengths, "test"))
+    return np.array([[error.bll for error in errors], [error.shared for error in errors]])

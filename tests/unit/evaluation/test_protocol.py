@@ -1,0 +1,66 @@
+"""The checks of the paper's protocol see what they are to see, and are not met by a training that does otherwise."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stylephase.data.catalogue import load_catalogue
+from stylephase.data.layouts import Entry, published_entries
+from stylephase.evaluation.protocol import KEPT_BACK, drawn_styles, epochs, in_turn, passes, try_bone_term
+from stylephase.features.store import VectorStore
+from stylephase.report.manifest import ROOT
+from stylephase.training.presets import PRESETS
+
+STYLES = ("Plain", "ChestOut", "LowCrouch")
+SMALL = replace(PRESETS["quick"], steps=12, log_every=12, frames_per_style=8, styles_per_step=2)
+
+
+@pytest.fixture(scope="module")
+def store() -> VectorStore:
+    return VectorStore(load_catalogue("synthetic", STYLES), "adaptive")
+
+
+def test_the_papers_preset_takes_styles_in_turn_and_one_that_draws_them_does_not(store):
+    paper = replace(PRESETS["paper"], network=PRESETS["quick"].network)
+    assert in_turn(drawn_styles(store, "lpn-film", paper, "paper", 9), len(STYLES))
+    drawn = replace(paper, in_turn=False)
+    assert not in_turn(drawn_styles(store, "lpn-film", drawn, "paper", 9), len(STYLES))
+    assert not in_turn(drawn_styles(store, "lpn-film", SMALL, "quick", 9), len(STYLES))
+
+
+def test_the_papers_preset_makes_the_papers_epochs():
+    takes = [take for take in published_entries() if take.style not in KEPT_BACK and not take.idle]
+    paper = PRESETS["paper"]
+    assert epochs(paper.steps, paper.frames_per_style, takes) == pytest.approx(90, abs=1)
+
+
+def test_an_epoch_ends_with_the_smallest_style():
+    takes = [
+        Entry(Path("a"), "a", "FW", 0, 100),
+        Entry(Path("b"), "b", "FW", 0, 1000),
+        Entry(Path("c"), "b", "TR1", 0, 5),
+    ]
+    # 80 frames train of the smaller style: ten batches of 8, and as many of the other.
+    assert epochs(60, 8, takes) == pytest.approx(3)
+
+
+def test_passes_count_the_frames_drawn_of_the_smallest_style(store):
+    styles = [store.load(style) for style in STYLES]
+    even = replace(SMALL, style_power=0.0)
+    least = min(len(style.rows("train")) for style in styles)
+    assert passes(even, styles) == pytest.approx(12 * 2 * 8 / 3 / least)
+
+
+def test_the_bone_term_is_weighed_against_a_second_seed(store):
+    term = try_bone_term(store, SMALL, "quick", np.random.default_rng(0))
+    assert term.error.low <= term.error.value <= term.error.high
+    assert term.again.value != term.error.value
+
+
+def test_the_styles_kept_back_are_those_of_the_pipeline():
+    named = re.search(r'KEPT_BACK = "(.*)"', (ROOT / "Snakefile").read_text())
+    assert named
+    assert named[1].split(",") == list(KEPT_BACK)
