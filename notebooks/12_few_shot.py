@@ -15,7 +15,7 @@
 # # Few-shot learning
 #
 # Paper: [M18], Sections 6, 7, 8.1 and 9.1, Figs. 1, 5, 6, 7, Tables 1 and 2. Time: preset quick half a minute, preset
-# cpu 10 minutes, after the training of two bases.
+# cpu a quarter of an hour, after the training of two bases.
 #
 # A network that knows some styles learns another from one walk of a few seconds. Each new style has other takes here,
 # on other ways, which nobody learns from: what the network makes of their paths is held against them.
@@ -32,6 +32,7 @@ seed: int = 0  # seed of the learning
 # %%
 import time
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import torch
@@ -40,12 +41,14 @@ from IPython.display import Image, Markdown
 from stylephase.data.archive import where
 from stylephase.data.catalogue import load_catalogue
 from stylephase.evaluation.circles import HANDS, RADII
-from stylephase.evaluation.comparison import difference
+from stylephase.evaluation.comparison import correlation, difference, group_difference
 from stylephase.evaluation.driven import apart
-from stylephase.evaluation.dropout_rule import Cases, leave_one_style_out
+from stylephase.evaluation.dropout_rule import Cases, chosen_by_style, chosen_elsewhere, leave_one_style_out
 from stylephase.evaluation.fewshot import (
     WALKING,
     by_own_statistics,
+    by_take,
+    change_from,
     clip_again,
     courses_of,
     detail_kept,
@@ -66,6 +69,7 @@ from stylephase.evaluation.fewshot import (
     swings_kept,
     with_the_clips_posture,
 )
+from stylephase.evaluation.protocol import in_turn, l1_slopes_off, rounds_of
 from stylephase.evaluation.retargeting import XIA, xia_styles
 from stylephase.evaluation.rollouts import local_poses, start_of
 from stylephase.features.layout import FPS
@@ -82,9 +86,19 @@ from stylephase.report.show import figure, table
 from stylephase.report.walks import walking_motion
 from stylephase.runtime.plans import TurnOnce
 from stylephase.runtime.rollout import roll_out
-from stylephase.training.fewshot import FewShot, Lesson, Schedule, add_styles, fine_tune_whole, learn, train_alone
-from stylephase.training.losses import shared_weights, style_weights
+from stylephase.training.fewshot import (
+    FewShot,
+    Lesson,
+    Schedule,
+    add_styles,
+    fine_tune_whole,
+    learn,
+    lesson_rows,
+    train_alone,
+)
+from stylephase.training.loop import Trainer
 from stylephase.training.presets import L1, preset_for
+from stylephase.training.sampler import Scaling
 
 name_of_set = dataset.replace(":", "-").replace("/", "-")
 folders = [ROOT / runs_folder / f"{name_of_set}-{preset}-{one}" for one in (run, run_neutral)]
@@ -125,25 +139,16 @@ table(
 #
 # > Each minibatch holds one style, the styles follow one another, and all share the grey weights ([M18] 6, Fig. 5).
 #
-# The trainer's own order of styles: which weights a step of each can change.
+# Some rounds of a training: which weights are others after each.
 
 # %%
 how = preset_for(preset, "pfnn-cp")
-network, parts = base.network.synthesis, ["shared", *base.styles]
-steps = 3 * len(base.styles)
-changed = np.zeros((len(parts), steps), dtype=bool)
-clip = study.clips[0]
-x, p = (torch.from_numpy(getattr(clip, k)[:8] - getattr(base.normaliser, f"{k}_mean")).float() for k in "xp")
-for step in range(steps):
-    style = step % len(base.styles)
-    network.zero_grad()
-    network(x, p, torch.eye(len(base.styles))[[style]].expand(8, -1)).square().mean().backward()
-    groups = [shared_weights(network), *(style_weights(network, k) for k in range(len(base.styles)))]
-    changed[:, step] = [any(w.grad is not None and bool(w.grad.any()) for w in group) for group in groups]
-network.zero_grad()
-alone_each = bool(changed[0].all()) and np.array_equal(changed[1:].sum(axis=0), np.ones(steps))
+basic = VectorStore(load_catalogue(dataset, base.styles), base.about["phases"])
+trainer = Trainer(basic, "pfnn-cp", how, preset, seed)
+rounds = rounds_of(trainer, 3 * len(base.styles))
+cycled, slopes = in_turn(rounds.drawn, len(base.styles)), l1_slopes_off(trainer, 0)
 alt = "Every step changes the shared weights and the adapter of one style, style after style."
-figure(fewshot_plots.turns(changed, parts), figures / "12_few_shot-fig5.png", alt)
+figure(fewshot_plots.turns(rounds.changed, ["shared", *basic.catalogue.styles]), figures / "12_few_shot-fig5.png", alt)
 
 # %%
 logs = [read_json(folder / "log.json") for folder in folders]
@@ -196,21 +201,43 @@ gaits = study.gaits
 
 
 # %%
+def capped(one) -> np.ndarray:
+    return np.minimum(one.walking, 100)
+
+
 def row_of(one) -> tuple:
     return (
         one.label,
         middle(one.walking),
+        share(capped(one)),
         f"{100 * np.nanmean(one.recognised):.0f}",
         *(f"{middle(one.errors[gait]).value:.1f}" for gait in gaits),
     )
 
 
-table(("way", "unseen walks (cm)", "own style nearest (%)", *gaits), *(row_of(one) for one in (again, *found.values())))
+heads = ("way", "unseen walks (cm)", "mean (cm)", "own style nearest (%)", *gaits)
+table(heads, *(row_of(one) for one in (again, *found.values())))
 
 # %% [markdown]
-# Median over styles with its interval, then the median by gait, of the mean distance of joints over a cycle, phase
-# aligned. A network is led along the recorded path from the take's first pose. `the clip again` repeats the clip's mean
-# cycle: a network that is worse has learned nothing of other ways.
+# Median over styles with its interval, the mean of errors up to a metre, then the median by gait, of the mean distance
+# of joints over a cycle, phase aligned. A network is led along the recorded path from the take's first pose. `the clip
+# again` repeats the clip's mean cycle: a network that is worse has learned nothing of other ways.
+
+# %%
+rng = np.random.default_rng(0)
+nulls = {"the clip again": again, "the neutral style": found["neutral style"], "the average": found["average"]}
+less = {
+    name: (middle(capped(found["CP"]) - capped(n)), difference(capped(found["CP"]), capped(n), rng))
+    for name, n in nulls.items()
+}
+own_less = difference(found["CP"].recognised, again.recognised, rng)
+table(
+    ("CP less", "median (cm)", "mean (cm)", "CP nearer in"),
+    *(
+        (name, *effects, f"{(found['CP'].walking < nulls[name].walking).sum()} of {len(new)}")
+        for name, effects in less.items()
+    ),
+)
 
 # %%
 far_off = {
@@ -248,7 +275,9 @@ table(
 
 # %%
 errors = {name: middle(one.walking) for name, one in found.items()}
-alt = "Pose errors of all ways to learn on unseen walks: adapters lowest, whole networks highest."
+ranked = sorted(errors, key=lambda name: errors[name].value)
+alt = f"Pose errors of all ways on unseen walks, lowest {ranked[0]}, highest {ranked[-1]}; repeating the clip has "
+alt += f"{middle(again.walking).value:.1f} cm."
 figure(fewshot_plots.ways(errors, middle(again.walking).value), figures / "12_few_shot-ways.png", alt)
 
 # %% [markdown]
@@ -359,14 +388,15 @@ table(("style", "frames", "cycles", "off (cm)", "of it movement (cm)", "courses 
 
 # %% [markdown]
 # ## Fig. 1: five styles
+#
+# Those whose clips are farthest from the base styles.
 
 
 # %%
 def walk_of(name: str, style: str, radius: float = 0.0, hand: str = "straight", label: str = ""):
     some = next(c for c in courses[name] if any(course.style == style for course in c.courses))
     motion = walking_motion(some.run, some.of(style, radius, hand), base.body, label)
-    window = slice(-90, None)
-    return replace(motion, positions=motion.positions[window], contacts=motion.contacts[window])
+    return motion.frames(len(motion) - 90, len(motion))
 
 
 def picture(motions, file: str, alt: str, **options) -> Image:
@@ -375,8 +405,7 @@ def picture(motions, file: str, alt: str, **options) -> Image:
     return Image(path, alt=alt)
 
 
-gain = found["neutral style"].walking - found["CP"].walking
-five = [study.names[k] for k in np.argsort(-gain)[:5]]
+five = [study.names[k] for k in np.argsort(-study.distance)[:5]]
 motions = [walk_of("CP", style, label=style.removeprefix("set1-")) for style in five]
 alt = f"Strips of walks in five styles, each learned from one clip: {', '.join(five)}."
 picture(motions, "fig1", alt, frames=8)
@@ -396,25 +425,16 @@ motions = [
     walk_of("CP", shown, tight, "left", f"CP, {tight:g} m left"),
 ]
 alt = f"{shown}: a fine-tuned network straight on and turning, and the decomposed adapter's on the same ways."
-picture(motions, "fig6", alt, frames=7)
+picture(motions, "fig6", alt, frames=7, view="three-quarter", travelled=True)
 
 # %% [markdown]
 # ## Fig. 7: too few parameters, too many
 #
-# Above, the style that loses most by the diagonal adapter. Below, on the tightest circle to the left, the style that
-# fares worst with a full adapter where the decomposed one holds.
+# The two styles whose clips are farthest from the base styles: above, straight on with the decomposed and with the
+# diagonal adapter; below, on the tightest circle to the left with the full and with the decomposed one.
 
 # %%
-lost = found["diagonal"].walking - found["CP"].walking
-weak = study.names[int(np.argmax(np.where(np.isfinite(lost), lost, -np.inf)))]
-left = {
-    name: {c.style: c for c in flat(name) if (c.radius, c.hand) == (tight, "left")}
-    for name in ("CP", "full", "diagonal")
-}
-strong = max(
-    study.names,
-    key=lambda s: (bool(left["full"][s].broken) and not left["CP"][s].broken, left["full"][s].bones),
-)
+weak, strong = five[0], five[min(1, len(five) - 1)]
 motions = [
     walk_of("CP", weak, label=f"(a) {weak.removeprefix('set1-')}, CP"),
     walk_of("diagonal", weak, label="(b) diagonal"),
@@ -422,65 +442,123 @@ motions = [
     walk_of("CP", strong, tight, "left", "(d) CP, left"),
 ]
 alt = f"{weak} with decomposed and diagonal adapter; {strong} turning left with full and decomposed adapter."
-picture(motions, "fig7", alt, frames=7)
+picture(motions, "fig7", alt, frames=7, view="three-quarter")
+
+# %% [markdown]
+# What the pictures stand for is counted over all styles: the share of circles of each hand that hold.
+
+# %%
+by_hand = {
+    (name, hand): np.mean([held(courses[name], r, hand) for r in radii], axis=0)
+    for name in ("CP", "full", "diagonal")
+    for hand in HANDS
+}
+to_the_left = difference(by_hand["full", "left"], by_hand["CP", "left"], rng)
+one_sided = difference(by_hand["full", "left"], by_hand["full", "right"], rng)
+table(
+    ("adapter", *(f"held to the {hand} (%)" for hand in HANDS)),
+    *((name, *(f"{100 * by_hand[name, hand].mean():.0f}" for hand in HANDS)) for name in ("CP", "full", "diagonal")),
+)
 
 # %% [markdown]
 # ## Cycles, dropout, and other ways to hold an adapter back
 #
 # > Scarce or far styles need stronger regularisation; L1 weights or fewer factors do about as well ([M18] 7.2).
 #
-# The median says how near a style comes, the mean, of errors up to a metre, how often it breaks as well.
+# All clips are of five seconds at the most, of 2 to 5 cycles, so more cannot be tried. The median says how near a style
+# comes, the mean, of errors up to a metre, how often it breaks as well; the change is the distance from the average
+# motion.
 
 # %%
-rates = (0.0, 0.9) if quick else (0.0, 0.5, 0.9)
-more_rates = rates if quick else (0.0, 0.3, 0.5, 0.7, 0.9)
-amounts = (1, None) if quick else (1, 2, None)
-by_dropout = {
-    (cycles, rate): learned(study, "CP", FewShot(dropout=rate), schedule, cycles=cycles).found.walking
-    for cycles in amounts
-    for rate in (more_rates if cycles is None else rates)
-}
+rates, amounts = ((0.0, 0.9), (1, None)) if quick else ((0.0, 0.5, 0.9, 0.97), (1, None))
+
+
+def cp(label: str, way: FewShot, cycles: int | None = None):
+    same = cycles is None and way == FewShot()
+    return found["CP"] if same else learned(study, label, way, schedule, cycles=cycles).found
+
+
+by_dropout = {(c, rate): cp("CP", FewShot(dropout=rate), c) for c in amounts for rate in rates}
 by_kind = {
-    (kind, cycles): learned(study, kind, FewShot(kind), schedule, cycles=cycles).found.walking
+    kind: learned(study, kind, FewShot(kind), schedule, cycles=1).found
     for kind in (("diagonal",) if quick else ("diagonal", "full"))
-    for cycles in amounts[:-1:2]
 }
-others = {f"{n} factors": FewShot(dropout=0.0, factors=n) for n in ((3,) if quick else (3, 10))}
-others |= {f"L1 weight {weight:g}": FewShot(dropout=0.0, l1=weight) for weight in ((10,) if quick else (0.0, 10, 1000))}
-regularised = {name: learned(study, name, way, schedule).found.walking for name, way in others.items()}
-regularised = {f"dropout {rate:g}": by_dropout[None, rate] for rate in more_rates} | regularised
+others = {f"{n} factors": FewShot(dropout=0.0, factors=n) for n in ((3,) if quick else (3, 10, 100))}
+others |= {f"L1 weight {w:g}": FewShot(dropout=0.0, l1=w) for w in ((10,) if quick else (0.0, 1.0, 10.0, 1000.0))}
+dropouts = {f"dropout {rate:g}": by_dropout[None, rate] for rate in rates}
+tried = dropouts | {name: cp(name, way) for name, way in others.items()}
 if not quick:
-    drawn, plain = FewShot(silent=False), FewShot(noisy=False)
-    regularised["begun at random"] = learned(study, "drawn", drawn, schedule).found.walking
-    regularised["frozen layers without dropout"] = learned(study, "plain", plain, schedule).found.walking
-capped = {name: np.minimum(values, 100) for name, values in regularised.items()}
-best_dropout = min((f"dropout {rate:g}" for rate in more_rates), key=lambda n: capped[n].mean())
-rng = np.random.default_rng(0)
+    tried["begun at random"] = cp("drawn", FewShot(silent=False))
+    tried["frozen layers without dropout"] = cp("plain", FewShot(noisy=False))
+best_dropout = min(dropouts, key=lambda name: capped(tried[name]).mean())
+against_best = {name: difference(capped(one), capped(tried[best_dropout]), rng) for name, one in tried.items()}
+changes = {name: change_from(one, found["average"], study) for name, one in tried.items()}
 table(
-    ("way", "median (cm)", "mean (cm)", f"mean against {best_dropout} (cm)"),
+    ("way", "median (cm)", "mean (cm)", f"mean against {best_dropout} (cm)", "change (cm)"),
     *(
-        (n, middle(regularised[n]), share(values), difference(values, capped[best_dropout], rng))
-        for n, values in capped.items()
+        (n, middle(one.walking), share(capped(one)), against_best[n], f"{np.nanmedian(changes[n]):.1f}")
+        for n, one in tried.items()
     ),
 )
 
+# %% [markdown]
+# Dropout, a silent beginning, noise in the frozen layers and the number of steps were compared on these unseen takes
+# of these styles. What such a choice is worth elsewhere: for each style the way that is best for all others.
+
 # %%
-lengths = {cycles: np.mean([min(cycles or 99, len(s.cycles)) for s in study.styles]) for cycles in amounts}
+open_choices = [name for name in tried if "factors" not in name and "L1" not in name]
+elsewhere = chosen_elsewhere(np.stack([capped(tried[name]) for name in open_choices], axis=1))
+chosen_less = difference(elsewhere, capped(again), rng)
+own_rate, one_rate = chosen_by_style(by_take(list(dropouts.values())))
+picked = np.isfinite(own_rate)
+by_style = difference(own_rate[picked], one_rate[picked], rng)
+table(
+    ("chosen on the other styles", "mean (cm)"),
+    ("this way", share(elsewhere)),
+    ("less the clip again", chosen_less),
+    ("a rate for each style by its other takes, less one rate for all", by_style),
+)
+
+# %%
+lengths = {c: float(np.mean([min(c or 99, len(s.cycles)) for s in study.styles])) for c in amounts}
 few_curves = {
-    ("all cycles" if c is None else f"{c} cycle{'s' if c > 1 else ''}"): {
-        r: share(np.minimum(v, 100)) for (k, r), v in by_dropout.items() if k == c
-    }
+    ("all cycles" if c is None else "1 cycle"): {rate: share(capped(by_dropout[c, rate])) for rate in rates}
     for c in amounts
 }
-middle_rate = 0.5 if 0.5 in rates else rates[0]
-size_curves = {"CP": {lengths[c]: share(np.minimum(by_dropout[c, middle_rate], 100)) for c in amounts}}
-for kind in dict.fromkeys(kind for kind, _ in by_kind):
-    points = {lengths[c]: share(np.minimum(v, 100)) for (k, c), v in by_kind.items() if k == kind}
-    size_curves[kind] = points | {lengths[None]: share(np.minimum(found[kind].walking, 100))}
+usual = 0.5 if 0.5 in rates else rates[0]
+size_curves = {"CP": {lengths[c]: share(capped(by_dropout[c, usual])) for c in amounts}}
+size_curves |= {
+    kind: {lengths[1]: share(capped(one)), lengths[None]: share(capped(found[kind]))} for kind, one in by_kind.items()
+}
 labels = {"dropout": "dropout rate (no unit)", "data": "cycles (mean over styles)"}
-alt = "Mean pose error over dropout rates for one, two and all cycles, and over cycles for three adapters."
+alt = "Mean pose error over dropout rates for one and all cycles, and over cycles for the adapters, with intervals."
 figure(
     fewshot_plots.sweeps({"dropout": few_curves, "data": size_curves}, labels), figures / "12_few_shot-sweeps.png", alt
+)
+
+# %% [markdown]
+# ## Who needs more dropout
+#
+# > Styles with little data, or far from those of the base, need stronger regularisation ([M18] 7.2).
+#
+# What the error falls by from no dropout to the rate of 0.9: by how much more with one cycle than with all, and with
+# all in the far half of the styles than in the near half. Does a style with one cycle, or a far one, end farther off?
+
+# %%
+falls = {c: capped(by_dropout[c, 0.0]) - capped(by_dropout[c, 0.9]) for c in amounts}
+far = study.distance > np.median(study.distance)
+scarce = difference(falls[1], falls[None], rng)
+distant = group_difference(falls[None][far], falls[None][~far], rng)
+fewer_cycles = difference(capped(by_dropout[1, usual]), capped(by_dropout[None, usual]), rng)
+with_distance = correlation(study.distance, capped(found["CP"]), rng)
+best_rate = {c: min(rates, key=lambda rate: capped(by_dropout[c, rate]).mean()) for c in amounts}
+table(
+    ("", "effect"),
+    ("dropout helps more with one cycle (cm)", scarce),
+    ("dropout helps more in far styles (cm)", distant),
+    ("error with one cycle less with all (cm)", fewer_cycles),
+    ("rank correlation of error and distance", with_distance),
+    ("best rate, one cycle and all", f"{best_rate[1]:g}, {best_rate[None]:g}"),
 )
 
 # %% [markdown]
@@ -493,13 +571,13 @@ figure(
 # the best of each clip.
 
 # %%
-tried = [(s, k, c) for c in amounts for k, s in enumerate(study.names)]
-table_of = np.array([[min(by_dropout[c, rate][k], 100.0) for rate in rates] for _, k, c in tried])
+each = [(s, k, c) for c in amounts for k, s in enumerate(study.names)]
+table_of = np.array([[capped(by_dropout[c, rate])[k] for rate in rates] for _, k, c in each])
 features = {
-    "cycles": np.array([min(c or 99, len(study.styles[k].cycles)) for _, k, c in tried], dtype=float),
-    "distance (cm)": np.array([study.distance[k] for _, k, _ in tried]),
+    "cycles": np.array([min(c or 99, len(study.styles[k].cycles)) for _, k, c in each], dtype=float),
+    "distance (cm)": np.array([study.distance[k] for _, k, _ in each]),
 }
-cases = Cases(table_of, tuple(s for s, *_ in tried), features, rates)
+cases = Cases(table_of, tuple(s for s, *_ in each), features, rates)
 chosen = leave_one_style_out(cases)
 ruled = difference(chosen.rule, chosen.constant, rng)
 table(
@@ -556,9 +634,18 @@ table(
 running = [gait for gait in gaits if gait in ("run", "dash", "FR", "SR", "BR")]
 idea = with_the_clips_posture(study, found["neutral style"])
 turned_neutral = {
-    what: share(nearer_to_neutral(found["CP"], found["neutral style"], study, some))
+    what: nearer_to_neutral(found["CP"], found["neutral style"], study, some)
     for what, some in (("walks", WALKING), ("runs", running))
 }
+
+
+def runs_less_walks(runs: np.ndarray, walks: np.ndarray):
+    both = np.isfinite(runs) & np.isfinite(walks)
+    return difference(runs[both], walks[both], rng) if both.any() else None
+
+
+told_runs = {one.label: runs_less_walks(one.over(running, "right"), one.recognised) for one in (found["CP"], again)}
+to_neutral = runs_less_walks(turned_neutral["runs"], turned_neutral["walks"])
 table(
     ("way", "runs (cm)", "own style nearest (%)"),
     *(
@@ -570,7 +657,9 @@ table(
 # %%
 Markdown(
     "Nearer to what the neutral style makes of the path than to the real take: "
-    f"{100 * turned_neutral['walks'].value:.0f} % of the walks, {100 * turned_neutral['runs'].value:.0f} % of the runs."
+    f"{100 * share(turned_neutral['walks']).value:.0f} % of the walks, "
+    f"{100 * share(turned_neutral['runs']).value:.0f} % of the runs; runs less walks, as shares of each style: "
+    f"{to_neutral}."
 )
 
 # %% [markdown]
@@ -579,7 +668,7 @@ Markdown(
 # > With all adapters at zero the motion is close to a neutral walk, and snaps slightly in quick turns ([M18] 8.1).
 #
 # Its mean cycle against a recorded walk of each base style. Then all turn by half a circle at once; a jolt is the
-# largest mean acceleration of the joints over a tenth of a second, as a multiple of that on the way straight on.
+# largest mean acceleration of the joints over a tenth of a second, as a multiple of that in as much time straight on.
 
 # %%
 average_cycle = np.mean([c for k, c in found["average"].cycles.items() if k[1] in WALKING and c is not None], axis=0)
@@ -591,7 +680,8 @@ gains = np.full(len(codes), 1.6)
 turn = roll_out(base, codes, start, int(7 * FPS), TurnOnce(gains, np.pi, at=int(4 * FPS)))
 moving = {name: local_poses(turn, k) for k, name in enumerate([*base.styles, "average"])}
 places = {name: poses.reshape(len(poses), -1, 4, 3)[:, :, 0] for name, poses in moving.items()}
-jolts = {name: snap(p[int(4 * FPS) :]) / snap(p[int(2 * FPS) : int(4 * FPS)]) for name, p in places.items()}
+before, after = (slice(int(start * FPS), int((start + 2) * FPS)) for start in (2, 4))
+jolts = {name: snap(p[after]) / snap(p[before]) for name, p in places.items()}
 recorded_turns = real_jolts(study, ("walk-turn-left", "walk-turn-right"))
 table(
     ("style", "from the average (cm)", "jolt in the turn"),
@@ -627,24 +717,30 @@ circle_share = {name: share(on_circles[name]) for name in courses}
 paired = {name: against("CP", name) for name in found if name != "CP"}
 better = {name: effect.high < 0 for name, effect in paired.items()}
 told = "cm on unseen walks in the median style, CP less"
-judge("m18-fig1-five-styles", bool((gain[np.argsort(-gain)[:5]] > 0).all()), f"drawn are {', '.join(five)}")
+seen_as = {name: round(share(verdicts[name]).value, 2) for name in verdicts}
+note = (
+    f"{told} the neutral style; {seen_as['CP']:.2f} recognised straight on; drawn are the farthest, {', '.join(five)}"
+)
+judge(
+    "m18-fig1-five-styles",
+    better["neutral style"] and seen_as["CP"] > 0.5,
+    note,
+    value=paired["neutral style"].interval,
+)
 judge("m18-less-data", better["clip alone"], f"{told} a PFNN of the clip alone", value=paired["clip alone"].interval)
 judge("m18-lifelong", moved == 0 and kept_shared, "outputs of earlier styles that differ, of three added", value=moved)
-turning = circle_share["CP"].value
-speeds = {
-    factor: held(
-        [courses_of(replace_speed, ways["CP"].bundle, ways["CP"].bundle.code, radii=(), seconds=circling)],
-        0.0,
-        "straight",
-    ).mean()
-    for factor, replace_speed in ((f, study.at_speed(f)) for f in (0.8, 1.2))
-}
-judge(
-    "m18-turns-and-speeds",
-    turning > 0.8 and min(speeds.values()) > 0.8,
-    "share of circles held, and of straight walks a fifth slower and faster",
-    value=[round(float(v), 2) for v in (turning, *speeds.values())],
+turning, paces = circle_share["CP"].value, {}
+for factor in (0.8, 1.0, 1.2):
+    code = ways["CP"].bundle.code
+    one = courses_of(study, ways["CP"].bundle, code, radii=(), seconds=circling, factor=factor)
+    paces[factor] = np.array([c.speed if not c.broken else np.nan for c in one.courses])
+kept_pace = {factor: float((np.abs(p - 1) < 0.1).mean()) for factor, p in paces.items()}
+note = (
+    "share of circles held; of styles that walk straight on within a tenth of 0.8, 1 and 1.2 times the clip's speed; "
 )
+note += f"speeds over those wanted, medians {', '.join(f'{np.nanmedian(p):.2f}' for p in paces.values())}"
+value = [round(float(v), 2) for v in (turning, *kept_pace.values())]
+judge("m18-turns-and-speeds", min(value) > 0.8, note, value=value)
 judge(
     "m18-most-styles-turn",
     float(np.mean(on_circles["CP"] > 0.8)) > 0.5,
@@ -652,25 +748,25 @@ judge(
     value=round(float(np.mean(on_circles["CP"] > 0.8)), 2),
 )
 recorder.not_testable("m18-fewshot-styles", f"CMU's clips; here are {len(new)} styles of {dataset}")
-if xia:
-    note = f"Xia's styles: median of the cycles of {len(styles)} walks; {np.mean(xia_held):.2f} of their courses hold"
-    few_cycles = float(np.median([len(s.cycles) for s in styles]))
-    judge("m18-fewshot-one-cycle", few_cycles == 1, note, value=few_cycles)
-else:
-    recorder.not_testable("m18-fewshot-one-cycle", "clips of a single cycle, such as Xia's")
-asymmetric = [s for s in study.styles if not s.clip.symmetric]
-if asymmetric:
-    judge(
-        "m18-fewshot-asymmetric-not-mirrored",
-        True,
-        f"{len(asymmetric)} such styles, learned without their mirror images",
-        value=len(asymmetric),
-    )
-else:
-    recorder.not_testable(
-        "m18-fewshot-asymmetric-not-mirrored",
-        "a real asymmetric style: all of these are symmetric; a test shows that such clips are not mirrored",
-    )
+rows = [c.paper_value for name, c in recorder.catalogue.claims.items() if name.startswith("m18-table2-")]
+printed = np.array(rows)
+
+
+def of_print(identifier: str, some: np.ndarray, what: str, least: float) -> None:
+    value = [int(some.sum()), len(some)]
+    verdict = REPRODUCED if some.mean() >= least else DIFFERS
+    recorder.claim(identifier, verdict=verdict, note=f"rows of the paper's own Table 2 {what}, of all", value=value)
+
+
+of_print("m18-fewshot-one-cycle", printed[:, 1] == 1, "with one cycle", 1 / len(printed))
+scaling, one_clip = Scaling(base.normaliser, base.layout), study.clips[0]
+learned_from = [
+    len(lesson_rows(replace(one_clip, symmetric=symmetric), scaling, None)["x"]) / len(study.styles[0].cycles.rows())
+    for symmetric in (True, False)
+]
+asymmetric = sum(not s.clip.symmetric for s in study.styles)
+note = f"frames learned over frames of a clip, called symmetric and not; {asymmetric} of these styles are asymmetric"
+judge("m18-fewshot-asymmetric-not-mirrored", learned_from == [2, 1], note, value=learned_from)
 judge(
     "m18-fewshot-base-normaliser",
     better["CP, own statistics"],
@@ -691,14 +787,9 @@ judge(
     value=sharper.interval,
 )
 judge("m18-fewshot-frozen-base", moved == 0 and kept_shared, "tensors of the base, compared bit by bit")
-clip_seconds = [round(s.seconds, 1) for s in study.styles]
-judge(
-    "m18-fewshot-clip-seconds",
-    min(clip_seconds) >= 1 and max(clip_seconds) <= 5,
-    "shortest and longest of ours",
-    value=[min(clip_seconds), max(clip_seconds)],
-)
-breaks = {name: holding[name]["straight"] - circle_share[name].value for name in ("fine-tuned", "clip alone", "CP")}
+seconds_printed = printed[:, 0] / FPS
+note = f"with the frames of 1 to 5 s at {FPS:g} a second"
+of_print("m18-fewshot-clip-seconds", (seconds_printed >= 1) & (seconds_printed <= 5), note, 0.5)
 note = f"share held straight on, and of circles, fine-tuned; ours hold {turning:.2f} of the circles"
 value = [round(holding["fine-tuned"]["straight"], 2), round(circle_share["fine-tuned"].value, 2)]
 judge("m18-fig6-fine-tuned-turn", value[0] > 0.8 and value[1] < 0.5 < turning, note, value=value)
@@ -718,49 +809,46 @@ judge("m18-full-adapter-overfits", value[0] > value[1] - 0.05 and looser.high < 
 average_like = [
     share(nearer_to_neutral(found[name], found["average"], study, WALKING)).value for name in ("diagonal", "CP")
 ]
-told_apart = [share(verdicts[name]).value for name in ("diagonal", "CP")]
 note = "share of walks nearer to the average motion than to the take, and recognised straight on: diagonal, CP each"
-value = [round(v, 2) for v in (*average_like, *told_apart)]
+value = [round(v, 2) for v in (*average_like, seen_as["diagonal"], seen_as["CP"])]
 judge("m18-diagonal-adapter-average", value[0] > 0.9 and value[2] < 0.5 < value[3], note, value=value)
-k = study.names.index(weak)
-near = [found[name].walking[k] for name in ("CP", "diagonal", "average")]
-note = f"{weak}: cm on unseen walks with CP, diagonal, no adapter"
-judge("m18-fig7a-dinosaur-cp", near[0] < near[2], note, value=[round(float(v), 1) for v in near])
+over = f"over all styles; drawn is {weak}"
+judge(
+    "m18-fig7a-dinosaur-cp",
+    better["average"] and seen_as["CP"] > 0.5,
+    f"{told} no adapter, {over}",
+    value=paired["average"].interval,
+)
 judge(
     "m18-fig7b-dinosaur-diagonal",
-    near[1] > near[0] and near[1] > 0.8 * near[2],
-    note,
-    value=[round(float(v), 1) for v in near],
+    better["diagonal"] and seen_as["diagonal"] < 0.5,
+    f"{told} the diagonal adapter, with which {seen_as['diagonal']:.2f} are recognised straight on, {over}",
+    value=paired["diagonal"].interval,
 )
-note = f"{strong} on the tightest circle to the left: bones off by (%)"
-value = round(100 * min(left["full"][strong].bones, 9), 1)
-judge(
-    "m18-fig7c-elated-full",
-    bool(left["full"][strong].broken),
-    f"{note}; full adapters hold {full_held.value:.2f} of all circles",
-    value=value,
-)
-value = round(100 * min(left["CP"][strong].bones, 9), 1)
-judge(
-    "m18-fig7d-elated-cp",
-    not left["CP"][strong].broken and left["CP"][strong].bones < left["full"][strong].bones,
-    note,
-    value=value,
-)
+note = "circles held to the left with full adapters, to the right, and to the left with CP, over all styles; full less "
+note += f"CP {to_the_left}, full left less right {one_sided}; drawn is {strong}"
+value = [round(float(by_hand[key].mean()), 2) for key in (("full", "left"), ("full", "right"), ("CP", "left"))]
+judge("m18-fig7c-elated-full", seen_as["full"] > 0.5 and to_the_left.high < 0, note, value=value)
+judge("m18-fig7d-elated-cp", seen_as["CP"] > 0.5 and to_the_left.high < 0, note, value=value)
 judge(
     "m18-neutral-base-gives-neutral",
     better["CP on neutral"],
     f"{told} on the neutral base, where {share(verdicts['CP on neutral']).value:.2f} are recognised straight on",
     value=paired["CP on neutral"].interval,
 )
-seconds_for_all = found["CP"].seconds
+clip_median, clip_mean = less["the clip again"]
+note = f"seconds of a processor for a style; {told} the neutral style {paired['neutral style']}, mean "
+note += (
+    f"{less['the neutral style'][1]}; CP less the clip repeated {clip_median}, mean {clip_mean}: to hold, better than "
+)
+note += "the one and no worse than the other"
 judge(
     "m18-few-seconds-enough",
-    spent["cp"] < 60 and better["neutral style"],
-    f"seconds of a processor for a style; {told} the neutral style {paired['neutral style']}",
+    spent["cp"] < 60 and better["neutral style"] and less["the neutral style"][1].high < 0 and clip_median.low <= 0,
+    note,
     value=round(spent["cp"], 1),
 )
-kept_swing, far = swings_kept(study, found["CP"]), study.distance > np.median(study.distance)
+kept_swing = swings_kept(study, found["CP"])
 value = [round(float(np.nanmedian(kept_swing[some])), 2) for some in (far, ~far)]
 judge(
     "m18-far-styles-smoothed",
@@ -770,39 +858,64 @@ judge(
 )
 recorder.not_testable("m18-odd-trajectories-fail", "walks with stops or odd root paths, such as martial arts")
 recorder.not_testable("m18-non-periodic-impossible", "real walks that do not repeat themselves")
-runs_right = share(found["CP"].over(running, "right"))
-note = "share of real runs whose nearest style is the right one, and of walks"
-value = [round(runs_right.value, 2), round(share(found["CP"].recognised).value, 2)]
-judge("m18-heterogeneous-fails", value[0] < 0.5, note, value=value)
-judge(
-    "m18-heterogeneous-neutral-run",
-    turned_neutral["runs"].value > 0.5,
-    "share of runs nearer to the neutral style's than to the real run, and of walks",
-    value=[round(turned_neutral[w].value, 2) for w in ("runs", "walks")],
+value = [round(share(v).value, 2) for v in (found["CP"].over(running, "right"), found["CP"].recognised)]
+fewer = told_runs["CP"]
+if fewer is not None and to_neutral is not None:
+    note = (
+        f"share of real runs whose nearest style is the right one, and of walks; runs less walks {fewer}, of the clip "
+    )
+    note += f"repeated {told_runs[again.label]}"
+    judge("m18-heterogeneous-fails", value[0] < 0.5 and fewer.high < 0, note, value=value)
+    note = (
+        f"share of runs nearer to the neutral style's than to the real run, and of walks; runs less walks {to_neutral}"
+    )
+    value = [round(share(turned_neutral[w]).value, 2) for w in ("runs", "walks")]
+    judge("m18-heterogeneous-neutral-run", value[0] > 0.5 and to_neutral.low > 0, note, value=value)
+else:
+    for identifier in ("m18-heterogeneous-fails", "m18-heterogeneous-neutral-run"):
+        recorder.not_testable(identifier, "runs of the same styles")
+for what, needs in {
+    "layer-norm": "a base with a layer normalisation for each style",
+    "gait-labels": "a base that is told walk or run",
+    "fourier-loss": "a training with a loss on spectra of runs",
+}.items():
+    recorder.not_testable(f"m18-heterogeneous-{what}", f"{needs}, trained on styles that walk and run, as the paper's")
+recorder.not_testable(
+    "m18-average-snap-remedies", "bases trained on neutral motion first; only one attempt is described"
 )
-best_rate = {
-    c: min((r for k, r in by_dropout if k == c), key=lambda r: by_dropout[c, r].clip(max=100).mean()) for c in amounts
-}
+recorder.not_testable("m18-many-styles", f"a survey of other works; here are {len(new)} styles of {dataset}")
+note = f"cm of error, a rate for each style by its other takes less one rate for all, of {len(rates)} rates"
+judge("m18-dropout-per-style", by_style.high < 0, note, value=by_style.interval)
+note = f"cm that dropout of 0.9 helps more with one cycle {scarce}, in far styles {distant}; best rates of {rates} are "
+note += f"{best_rate[1]:g} with one cycle, {best_rate[None]:g} with all"
+judge("m18-dropout-scarce-styles", scarce.low > 0 and distant.low > 0, note, value=[scarce.value, distant.value])
+note = f"rank correlation of error and distance {with_distance}; cm, one cycle less all {fewer_cycles}"
 judge(
-    "m18-dropout-per-style",
-    len(set(cases.errors.argmin(axis=1))) > 1,
-    f"different rates are best for different clips; of {len(rates)} rates, by a measure in place of the eye",
-    value=len(set(cases.errors.argmin(axis=1))),
+    "m18-generalisation-factors",
+    with_distance.low > 0 and fewer_cycles.low > 0,
+    note,
+    value=[with_distance.value, fewer_cycles.value],
 )
-judge(
-    "m18-dropout-scarce-styles",
-    best_rate[1] > best_rate[None],
-    "best rate of one cycle, and of all",
-    value=[best_rate[1], best_rate[None]],
-)
-alike = {n: difference(capped[n], capped[best_dropout], np.random.default_rng(0)) for n in others if n != "L1 weight 0"}
-near_best = min(effect.value for effect in alike.values())
+learning = [n for n in others if np.nanmedian(changes[n]) > 0.25 * np.nanmedian(changes[best_dropout])]
+near_best = {n: against_best[n] for n in learning if n != "L1 weight 0"}
+left_out = [n for n in others if n not in learning]
+note = f"cm that the mean lies above {best_dropout}, each to be within 1: "
+note += "; ".join(f"{n} {effect}" for n, effect in near_best.items())
+note += f"; left out as they leave the average motion: {', '.join(left_out) or 'none'}"
 judge(
     "m18-regularisers-alike",
-    near_best < 0.5,
-    f"cm that the mean of the best of {', '.join(alike)} lies above that of {best_dropout}",
-    value=round(near_best, 2),
+    bool(near_best) and all(e.low > -1 and e.high < 1 for e in near_best.values()),
+    note,
+    value=[round(e.value, 2) for e in near_best.values()],
 )
+weights = [n for n in others if n.startswith("L1")]
+moved_by = [round(float(np.nanmedian(changes[n])), 2) for n in weights]
+most, least = (changes[n] for n in ("dropout 0", weights[-1]))
+known = np.isfinite(most) & np.isfinite(least)
+weaker = difference(least[known], most[known], rng)
+note = f"cm from the average motion in the median style, {', '.join(weights)}; the last less that of 0.01 {weaker}"
+falling = weaker.high < 0 and all(b <= a + 0.1 for a, b in pairwise(moved_by))
+judge("m18-regularisation-strength", falling, note, value=moved_by)
 for kind, paper in PRINTED.items():
     name = {"cp": "cp"}.get(kind, kind)
     ratio, printed = spent[kind] / spent["diagonal"], paper / PRINTED["diagonal"]
@@ -814,38 +927,48 @@ for kind, paper in PRINTED.items():
 for identifier in recorder.catalogue.claims:
     if identifier.startswith("m18-table2-"):
         recorder.not_testable(identifier, "CMU's clips as the authors cut them; our own counts are in the numbers")
+note = "how far the slopes of the L1 terms are from the sign of a weight over the number of its kind: "
+note += f"{', '.join(slopes)}; a mean of weights, as in the release; no other term"
 judge(
     "m18-eq3-loss",
-    how.shared_l1 > 0 and how.style_l1 > 0 and how.bone_weight == 0,
-    "as a mean of weights, as in the release",
+    max(slopes.values()) < 1e-6 and how.bone_weight == 0,
+    note,
+    value=[float(f"{v:.1e}") for v in slopes.values()],
 )
-judge("m18-l1-weight", how.shared_l1 == how.style_l1 == 0.01, "both", value=L1)
+judge("m18-l1-weight", how.shared_l1 == how.style_l1 == 0.01 and max(slopes.values()) < 1e-6, "both", value=L1)
 if not quick:
-    effect = middle(capped["L1 weight 0"] - capped["dropout 0"])
-    note = "cm in the median style, without less with 0.01, of new styles; bases were not trained again"
-    judge("m18-l1-little-effect", abs(effect.value) < 0.25, note, value=effect.interval)
+    plain = tried["dropout 0"].walking
+    moves = {n: middle(tried[n].walking - plain) for n in weights}
+    note = "cm in the median style against 0.01, of new styles; bases were not trained again: "
+    note += "; ".join(f"{n} {effect.value:.2f} [{effect.low:.2f}, {effect.high:.2f}]" for n, effect in moves.items())
+    small = [moves[n] for n in ("L1 weight 0", "L1 weight 1")]
+    judge(
+        "m18-l1-little-effect",
+        all(e.low > -0.25 and e.high < 0.25 for e in small),
+        f"{note}; judged by none and a hundred times as much",
+        value=[round(e.value, 3) for e in moves.values()],
+    )
 judge(
     "m18-eq5-objective",
-    alone_each and how.in_turn,
-    f"over the frames of all {len(base.styles)} styles",
+    rounds.own_alone and cycled,
+    f"over the frames of all {len(base.styles)} styles, one after the other",
     value=len(base.styles),
 )
 judge(
     "m18-one-style-per-batch",
-    alone_each and how.styles_per_step == 1,
-    "adapters that a step can change",
-    value=int(changed[1:].sum(axis=0).max()),
+    rounds.own_alone and rounds.drawn.shape[1] == 1,
+    "adapters that a round of the training changes",
+    value=int(rounds.changed[1:].sum(axis=0).max()),
 )
-judge("m18-fig5-cycling", alone_each, "gradients of the trained base, style after style")
+judge("m18-fig5-cycling", rounds.own_alone and cycled, "weights before and after each round of a training")
 recorder.not_testable("m18-training-epochs", f"the paper's frames; ours saw each frame {epochs[0]:.0f} times")
 recorder.not_testable(
     "m18-training-hours", f"a GTX 1080 Ti; ours took {base.about['processor_seconds'] / 60:.0f} minutes of a processor"
 )
-judge(
+recorder.not_testable(
     "m18-long-training-overfits",
-    max(late) > 1.05,
-    f"validation error at the end over its least, after {epochs[0]:.0f} epochs of all and {epochs[1]:.0f} of neutral",
-    value=[round(v, 3) for v in late],
+    f"a training much longer than the paper's 25 epochs, with an error for each style; ours has {epochs[0]:.0f}, "
+    f"{epochs[1]:.0f} of the neutral style, and ends at {late[0]:.3f} and {late[1]:.3f} times its least error",
 )
 order = sorted(to_base, key=lambda name: to_base[name])
 judge(
@@ -856,10 +979,33 @@ judge(
 )
 judge(
     "m18-average-motion-snap",
-    jolts["average"] > 1.25 * recorded_turns,
+    min(jolts["average"], np.median([jolts[n] for n in base.styles])) > 1.25 * recorded_turns,
     "jolt in a turn over that straight on: average, median of the styles, recorded turns",
     value=[round(v, 2) for v in (jolts["average"], np.median([jolts[n] for n in base.styles]), recorded_turns)],
 )
+if dataset == "bandai-namco" and not quick:
+    each_style = {"n": len(new), "seeds": [seed]}
+    posture = [middle(idea.running - one.running) for one in (found["neutral style"], found["CP"])]
+    straight = difference(verdicts["CP"], verdicts["CP on neutral"], rng)
+    ours = {
+        "clip-median": clip_median,
+        "clip-mean": clip_mean,
+        "clip-own": own_less,
+        "neutral-mean": less["the neutral style"][1],
+        "chosen-elsewhere": chosen_less,
+        "dropout-rule": ruled,
+        "neutral-base": straight,
+        "run-idea": posture[0],
+        "run-adapter": posture[1],
+    }
+    for name, effect in ours.items():
+        value = [round(v, 3) for v in effect.interval]
+        recorder.claim(f"ours-fewshot-{name}", value=value, note="value, low and high", **each_style)
+    if xia:
+        note = f"{len(styles)} styles; joints are {np.mean([c.off for c in carried]):.1f} cm off after carrying over"
+        recorder.claim("ours-fewshot-xia", value=round(float(np.mean(xia_held)), 3), n=len(styles), note=note)
+    else:
+        recorder.not_testable("ours-fewshot-xia", "Xia's clips")
 table(
     ("claim", "value", "verdict", "note"),
     *(
@@ -872,14 +1018,16 @@ table(
 # %%
 for name, one in {"the clip again": again, **found}.items():
     recorder.number(f"pose error on unseen walks, {name}", middle(one.walking).interval, "cm")
+    recorder.number(f"mean pose error on unseen walks, {name}", share(capped(one)).interval, "cm")
     recorder.number(f"own style nearest, {name}", share(one.recognised).interval, "share")
 for name, some in circle_share.items():
     recorder.number(f"circles held, {name}", some.interval, "share")
     recorder.number(f"recognised straight on, {name}", share(verdicts[name]).interval, "share")
-for name, values in regularised.items():
-    recorder.number(f"pose error with {name}", middle(values).interval, "cm")
-for (cycles, rate), values in by_dropout.items():
-    recorder.number(f"pose error of {cycles or 'all'} cycles, dropout {rate:g}", middle(values).interval, "cm")
+for name, one in tried.items():
+    recorder.number(f"pose error with {name}", middle(one.walking).interval, "cm")
+    recorder.number(f"mean pose error with {name}", share(capped(one)).interval, "cm")
+for (cycles, rate), one in by_dropout.items():
+    recorder.number(f"pose error of {cycles or 'all'} cycles, dropout {rate:g}", middle(one.walking).interval, "cm")
 recorder.number(
     "pose error by rule, by one rate, by hindsight",
     [float(v.mean()) for v in (chosen.rule, chosen.constant, chosen.best)],

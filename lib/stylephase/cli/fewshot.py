@@ -5,20 +5,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from tqdm import tqdm
 
 from stylephase.cli.output import AsJson, emit
 from stylephase.errors import InputError
+from stylephase.evaluation.inspection import gait_of
 from stylephase.features.captures import captured_clip, clip_vectors
 from stylephase.features.cycles import cycles_of
 from stylephase.features.layout import FPS
+from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import check_new_style, load_bundle, save_bundle
 from stylephase.models.zoo import adapter_forms
 from stylephase.training.fewshot import ADAPTERS, FewShot, Lesson, Schedule, add_styles
 
 # With fewer whole cycles than this a style is learned from next to nothing.
 _FEW = 2
+_AHEAD = "walks ahead"
 _ONE_CYCLE = "a single cycle of walking; turns and other speeds will come out worse than from two or more"
 
 
@@ -51,6 +55,8 @@ def fewshot(
         raise InputError("no walking cycle in it: neither foot comes down twice", clip)
     if len(cycles) < _FEW:
         typer.echo(f"stylephase: {clip}: {_ONE_CYCLE}", err=True)
+    if (gait := _gait(vectors)) != _AHEAD:
+        typer.echo(f"stylephase: {clip}: who {gait} in it teaches no walk; expected a clip that {_AHEAD}", err=True)
     with tqdm(total=steps, desc=style, unit="step", disable=None) as bar:
         found = add_styles(base, [Lesson(vectors, how)], Schedule(steps), seed=seed, tick=bar.update)
     learned = {"style": style, "frames": len(cycles.rows()), "cycles": len(cycles), "symmetric": not asymmetric}
@@ -68,3 +74,10 @@ def fewshot(
         as_json=as_json,
         text=f"{text} s of motion, in {seconds:.0f} s",
     )
+
+
+def _gait(vectors: StyleVectors) -> str:
+    """What is done in a clip: y begins with the root's step to its left and ahead, and ends with the contacts."""
+    left, ahead = FPS * vectors.y[:, :2].mean(axis=0)
+    in_the_air = (vectors.y[:, -2:] < 0.5).all(axis=1)
+    return gait_of(float(np.hypot(left, ahead)), float(np.degrees(np.arctan2(left, ahead))), float(in_the_air.mean()))

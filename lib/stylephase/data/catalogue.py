@@ -115,13 +115,28 @@ def check_same_skeleton(
 
     End sites may lie elsewhere: nothing moves them, and some files of one data set have them while others have not.
     """
-    for what, own, others in (("joints", skeleton.names, expected.names), ("tree", skeleton.parents, expected.parents)):
-        if own != others:
-            raise InputError(f"its {what} differ from those of {whose}", path)
+    if skeleton.names != expected.names:
+        raise InputError(f"its joints differ from those of {whose}: {_other_joint(skeleton, expected)}", path)
+    if skeleton.parents != expected.parents:
+        pairs = zip(skeleton.parents, expected.parents, strict=True)
+        joint = skeleton.names[next(k for k, (own, other) in enumerate(pairs) if own != other)]
+        raise InputError(f"its tree differs from that of {whose}: {joint} has another parent", path)
     apart = np.abs(skeleton.offsets - expected.offsets).max(axis=1) * ~np.array(expected.sites)
     if apart.max() > _SAME_BONE:
         joint = skeleton.names[int(apart.argmax())]
         raise InputError(f"joint {joint} lies {apart.max():.3f} m off its place in {whose}", path)
+
+
+def _other_joint(skeleton: Skeleton, expected: Skeleton) -> str:
+    """A joint that one skeleton has and the other has not, or that stands elsewhere."""
+    for joint in expected.names:
+        if joint not in skeleton.names:
+            return f"it has no {joint}"
+    for joint in skeleton.names:
+        if joint not in expected.names:
+            return f"{joint} is not among those"
+    pairs = zip(skeleton.names, expected.names, strict=False)
+    return next((f"{own} stands where {other} is there" for own, other in pairs if own != other), "one is named twice")
 
 
 def usable(length: int) -> bool:

@@ -22,7 +22,7 @@ from stylephase.runtime.trajectory import Steering
 RADII, HANDS = (4.0, 2.0, 1.0), {"left": 1.0, "right": -1.0}
 SETTLE_SECONDS = 2.0
 # Gains tried, as multiples of the wanted speed, and for how long (s).
-_GAINS, _TRIAL_SECONDS = np.array([1.0, 1.6, 2.5, 4.0]), 4.0
+_GAINS, _TRIAL_SECONDS = np.array([0.5, 0.7, 0.85, 1.0, 1.25, 1.6, 2.0, 2.5, 4.0]), 4.0
 _LENGTH = 60.0
 _MIN_BONE = 0.01
 

@@ -164,6 +164,32 @@ def difference(
     return Effect(value, *interval_of(picks), _share(np.abs(flips) >= abs(value) - 1e-12))
 
 
+def group_difference(
+    ours: Float[ndarray, " cases"], theirs: Float[ndarray, " others"], rng: np.random.Generator, draws: int = DRAWS
+) -> Effect:
+    """Difference of the means of two groups, with the interval when the cases of each are drawn again; under chance
+    the cases are dealt to the groups anew."""
+    value, pool = float(ours.mean() - theirs.mean()), np.concatenate([ours, theirs])
+    drawn = [group[_picks(group, rng, draws)].mean(axis=1) for group in (ours, theirs)]
+    dealt = rng.permuted(np.broadcast_to(pool, (draws, len(pool))), axis=1)
+    null = dealt[:, : len(ours)].mean(axis=1) - dealt[:, len(ours) :].mean(axis=1)
+    return Effect(value, *interval_of(drawn[0] - drawn[1]), _share(np.abs(null) >= abs(value) - 1e-12))
+
+
+def correlation(
+    a: Float[ndarray, " cases"], b: Float[ndarray, " cases"], rng: np.random.Generator, draws: int = DRAWS
+) -> Effect:
+    """Spearman's correlation over cases, with the interval when cases are drawn again; under chance one side is dealt
+    anew."""
+
+    def of(x: ndarray, y: ndarray) -> ndarray:
+        return _spearman(_ranks(x.T), _ranks(y.T))
+
+    picks, value = _picks(a, rng, draws), float(of(a, b))
+    null = of(np.broadcast_to(a, (draws, len(a))), rng.permuted(np.broadcast_to(b, (draws, len(b))), axis=1))
+    return Effect(value, *interval_of(of(a[picks], b[picks])), _share(np.abs(null) >= abs(value) - 1e-9))
+
+
 def _share(hits: Bool[ndarray, " draws"]) -> float:
     """The share of hits, counting what was observed as one draw more, so that it is never 0."""
     return float((hits.sum() + 1) / (len(hits) + 1))

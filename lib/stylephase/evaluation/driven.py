@@ -15,6 +15,7 @@ from torch import Tensor, nn
 from stylephase.features.layout import FPS, Layout
 from stylephase.features.normaliser import Normaliser
 from stylephase.features.store import StyleVectors
+from stylephase.runtime.axes import from_axes
 
 # Frames that only settle, and the most that are looked at after them.
 SETTLE, MOST = 60, 180
@@ -87,8 +88,14 @@ def _predict(network: nn.Module, n: Normaliser, x: ndarray, p: ndarray, codes: T
 
 
 def _next_pose(pose: ndarray, predicted: ndarray, step: Float[ndarray, "takes 4"]) -> Float[ndarray, "takes pose"]:
-    """The next pose seen from the next root, of one that is predicted as seen from this root."""
+    """The next pose seen from the next root, of one that is predicted as seen from this root.
+
+    As in the controller the predicted axes are made rotations: fed back as they are they grow, and break characters
+    that walk well there.
+    """
     now, then = (values.reshape(len(values), -1, 4, 3) for values in (pose, predicted.copy()))
+    rotations = from_axes(then[:, :, 1], then[:, :, 2])
+    then[:, :, 1], then[:, :, 2] = rotations[..., 2], rotations[..., 1]
     carried = now[:, :, 0] + then[:, :, 3] / FPS
     then[:, :, 0] = carried + _POSE_SHARE * (then[:, :, 0] - carried)
     then[:, :, 0, ::2] -= step[:, None, :2]
@@ -120,8 +127,3 @@ def apart(ours: Float[ndarray, "grid joints 3"], real: Float[ndarray, "grid join
     """Mean distance (cm) of the joints over a cycle, after the shift of phase at which it is least."""
     shifts = [np.linalg.norm(np.roll(ours, shift, axis=0) - real, axis=-1).mean() for shift in range(len(ours))]
     return 100 * float(min(shifts))
-
-
-def pose_error(ours: Driven, real: Driven) -> float:
-    """Distance (cm) of the mean cycles of two motions, phase aligned; infinite where ours is not finite."""
-    return apart(cycle_of(ours), cycle_of(real)) if ours.finite else float("inf")

@@ -1,4 +1,4 @@
-"""A rule for the dropout of a new style, which [M18] 7.2 chose by eye, tested on styles that it was not made from."""
+"""Choices that [M18] 7.2 made by eye, such as the dropout of a new style, tested on what they were not made from."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -75,3 +75,26 @@ def leave_one_style_out(cases: Cases) -> Chosen:
         rule[test] = cases.errors[rows[test], picks]
         constant[test] = cases.errors[test, int(cases.errors[others].mean(axis=0).argmin())]
     return Chosen(rule, constant, cases.errors.min(axis=1), fit_rule(cases, rows))
+
+
+def chosen_elsewhere(errors: Float[ndarray, "styles ways"]) -> Float[ndarray, " styles"]:
+    """The error of each style with the way of least mean error over the other styles."""
+    rows = np.arange(len(errors))
+    return np.array([errors[k, errors[rows != k].mean(axis=0).argmin()] for k in rows])
+
+
+def chosen_by_style(
+    errors: Float[ndarray, "styles rates takes"],
+) -> tuple[Float[ndarray, " styles"], Float[ndarray, " styles"]]:
+    """Errors with the rate that is best on a style's other takes, and with the one that is best for the other styles.
+
+    A take that is missing is NaN, and so is a style of fewer than two takes.
+    """
+    means, known = np.nanmean(errors, axis=2), ~np.isnan(errors[:, 0])
+    own, one = np.full((2, len(errors)), np.nan)
+    for k in np.flatnonzero(known.sum(axis=1) > 1):
+        takes = errors[k][:, known[k]]
+        others = (takes.sum(axis=1, keepdims=True) - takes).argmin(axis=0)
+        own[k] = takes[others, np.arange(takes.shape[1])].mean()
+        one[k] = takes[np.delete(means, k, axis=0).mean(axis=0).argmin()].mean()
+    return own, one

@@ -1,6 +1,5 @@
 """Few-shot learning put to the test: new styles from one short walk each, on real takes that nobody learned from."""
 
-import copy
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,12 +14,11 @@ from torch import Tensor
 from stylephase.evaluation.circles import Courses, walk_courses
 from stylephase.evaluation.comparison import interval_of
 from stylephase.evaluation.driven import SETTLE, Driven, apart, cycle_of, drive, recorded_part
-from stylephase.evaluation.measures import Reference, other_style
+from stylephase.evaluation.measures import Reference, fast_share, other_style
 from stylephase.evaluation.new_clips import NewStyle, gaits_of, new_style
 from stylephase.evaluation.rollouts import start_of, walking_speed
-from stylephase.evaluation.stretches import generated, recorded
+from stylephase.evaluation.stretches import Stretch, generated, recorded
 from stylephase.features.clips import WALKS
-from stylephase.features.layout import FPS
 from stylephase.features.normaliser import normaliser_of
 from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.models.bundle import Bundle
@@ -32,8 +30,6 @@ WALKING = ("walk, another take", "walk-left", "walk-right", "SW", "BW")
 RUNNING = ("run", "dash", "FR", "SR", "BR")
 # Frames that an unseen take needs beyond those that settle, and recorded walks of a base style that are looked at.
 _FEWEST, _WALKS = 40, 6
-# What is faster than this (Hz) is detail.
-_FAST = 5.0
 _DRAWS = 4000
 
 Cycle = Float[ndarray, "grid joints 3"]
@@ -96,12 +92,6 @@ class Study:
         """How far (cm) each clip is from the nearest base style."""
         known = list(self.base_cycles.values())
         return np.array([min(apart(self.clip_cycles[name], base) for base in known) for name in self.names])
-
-    def at_speed(self, factor: float) -> "Study":
-        """The same with another wish: so many times each clip's speed."""
-        other = copy.copy(self)
-        object.__setattr__(other, "speeds", factor * self.speeds)
-        return other
 
     @cached_property
     def start(self) -> State:
@@ -183,8 +173,7 @@ class Found:
 
 def found_of(study: Study, label: str, cycles: Mapping[tuple[str, str], Cycle | None], seconds: float = 0.0) -> Found:
     """Errors and verdicts of mean cycles that were made for each unseen take; None for what did not stay finite."""
-    nothing = {gait: np.full(len(study.names), np.nan) for gait in study.gaits}
-    errors, right = nothing, {gait: values.copy() for gait, values in nothing.items()}
+    errors, right = ({gait: np.full(len(study.names), np.nan) for gait in study.gaits} for _ in range(2))
     for (name, gait), ours in cycles.items():
         k, rivals = study.names.index(name), {s: real for (s, g), real in study.real.items() if g == gait}
         off = (
@@ -269,16 +258,14 @@ def detail_kept(study: Study, bundles: Mapping[str, Bundle]) -> Float[ndarray, "
             bundle.network.synthesis.eval(), bundle.layout, bundle.normaliser, bundle.code(style.name)[None], [clip]
         )
         real = recorded_part(clip, bundle.layout)
-        kept.append(_fast_share(moved.places) / _fast_share(real.places) if moved.finite else np.nan)
+        ours, theirs = ([_stretch(motion)] for motion in (moved, real))
+        kept.append(fast_share(ours) / fast_share(theirs) if moved.finite else np.nan)
     return np.array(kept)
 
 
-def _fast_share(places: Float[ndarray, "frames joints 3"]) -> float:
-    """Share of the power of the joints' velocities above 5 Hz."""
-    velocity = np.diff(places, axis=0)
-    power = np.abs(np.fft.rfft((velocity - velocity.mean(axis=0)) * np.hanning(len(velocity))[:, None, None], axis=0))
-    fast = np.fft.rfftfreq(len(velocity), 1 / FPS) > _FAST
-    return float(np.square(power[fast]).sum() / np.square(power).sum())
+def _stretch(motion: Driven) -> Stretch:
+    """A motion that was led, to be measured as walks are; of its contacts nothing is known."""
+    return Stretch(motion.poses, motion.phase, np.zeros((len(motion.poses), 2), dtype=bool))
 
 
 def recognised_by_statistics(study: Study) -> float:
@@ -304,10 +291,12 @@ def rivals(
     return {style.name: train(base, style.clip, schedule) for style in study.styles}
 
 
-def courses_of(study: Study, bundle: Bundle, code: Callable[[str], Tensor], **options) -> Courses:
-    """All new styles straight on and round circles of both hands, with one network."""
+def courses_of(
+    study: Study, bundle: Bundle, code: Callable[[str], Tensor], *, factor: float = 1.0, **options
+) -> Courses:
+    """All new styles straight on and round circles of both hands, with one network, at so many times their speed."""
     codes = torch.stack([code(name) for name in study.names])
-    return walk_courses(bundle, study.names, codes, study.start, study.speeds, study.hips, **options)
+    return walk_courses(bundle, study.names, codes, study.start, factor * study.speeds, study.hips, **options)
 
 
 def rival_courses(study: Study, bundles: Mapping[str, Bundle], **options) -> dict[str, Courses]:
@@ -391,13 +380,12 @@ def swings_kept(study: Study, found: Found) -> Float[ndarray, " styles"]:
 
 def nearer_to_neutral(found: Found, neutral: Found, study: Study, gaits: Sequence[str]) -> Float[ndarray, " styles"]:
     """Share of a style's takes of some gaits that come out nearer to what the neutral style makes of them than to the
-    recorded take; NaN for a style without such a take."""
+    recorded take; what did not stay finite is left out. NaN for a style without such a take."""
     near = {name: [] for name in study.names}
     for key, ours in found.cycles.items():
-        if key[1] not in gaits:
-            continue
         other = neutral.cycles[key]
-        near[key[0]].append(ours is None or other is None or apart(ours, other) < apart(ours, study.real[key]))
+        if key[1] in gaits and ours is not None and other is not None:
+            near[key[0]].append(apart(ours, other) < apart(ours, study.real[key]))
     return np.array([np.mean(values) if values else np.nan for values in near.values()])
 
 
@@ -410,6 +398,25 @@ def with_the_clips_posture(study: Study, neutral: Found) -> Found:
         for key, cycle in neutral.cycles.items()
     }
     return found_of(study, "neutral, posture moved", moved)
+
+
+def change_from(found: Found, average: Found, study: Study) -> Float[ndarray, " styles"]:
+    """How far (cm) each style's unseen walks are from what the average motion makes of them: what was learned at all.
+
+    NaN for a style of which nothing stayed finite.
+    """
+    far = {name: [] for name in study.names}
+    for key, ours in found.cycles.items():
+        other = average.cycles[key]
+        if key[1] in WALKING and ours is not None and other is not None:
+            far[key[0]].append(apart(ours, other))
+    return np.array([np.mean(values) if values else np.nan for values in far.values()])
+
+
+def by_take(found: Sequence[Found], most: float = 100.0) -> Float[ndarray, "styles ways takes"]:
+    """Errors (cm) on unseen walks of several ways to learn, up to `most`; NaN where a style has no such take."""
+    gaits = [gait for gait in WALKING if gait in found[0].errors]
+    return np.stack([np.stack([np.minimum(one.errors[gait], most) for gait in gaits], axis=1) for one in found], axis=1)
 
 
 def real_jolts(study: Study, turning: Sequence[str]) -> float:

@@ -208,7 +208,7 @@ def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
     towards = float(np.degrees(np.arctan2(left, ahead)))
     flight = float((~contacts.any(axis=1)).mean())
     return Walk(
-        _gait(speed, towards, flight),
+        gait_of(speed, towards, flight),
         speed,
         float(np.degrees(root.angles[-1] - root.angles[0]) * FPS / max(len(root) - 1, 1)),
         towards,
@@ -237,7 +237,8 @@ def clarity_of(movement: Movement, phases: TakePhases) -> dict[str, float]:
     return clear
 
 
-def _gait(speed: float, towards: float, flight: float) -> str:
+def gait_of(speed: float, towards: float, flight: float) -> str:
+    """What is done at a speed (m/s), this far to the left of ahead (degrees), in the air for a share of the frames."""
     if speed <= SLOWEST:
         return "stands"
     verb = "runs" if flight > _FLIGHT and speed > _RUNNING else "walks"

@@ -1,4 +1,4 @@
-"""The training of [M22] 4.3, checked on what it does: its batches, passes through the data, the bone-length term."""
+"""Trainings checked on what they do: batches, passes through the data, terms of the loss ([M22] 4.3, [M18] 6)."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -6,8 +6,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from jaxtyping import Float, Int
+import torch
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
+from torch import Tensor
 
 from stylephase.data.layouts import Entry
 from stylephase.evaluation.comparison import Effect, ratio
@@ -17,7 +19,7 @@ from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.models.bundle import Bundle
 from stylephase.runtime.rollout import Tick, quiet
 from stylephase.training.loop import Trainer
-from stylephase.training.losses import bone_lengths
+from stylephase.training.losses import bone_lengths, shared_weights, style_weights
 from stylephase.training.presets import Preset
 
 # The styles of 100STYLE that [M22] 4.3 keeps back to learn later.
@@ -47,6 +49,59 @@ def in_turn(drawn: Int[ndarray, "rounds styles"], styles: int) -> bool:
         and len(np.unique(first)) == styles
         and bool((drawn[:whole, 0].reshape(-1, styles) == first).all())
     )
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """Some rounds of a training: the styles of each, as numbers, and whether the shared weights (row 0) and the adapter
+    of each style (the other rows) were others after it."""
+
+    drawn: Int[ndarray, "rounds styles"]
+    changed: Bool[ndarray, "parts rounds"]
+
+    @property
+    def own_alone(self) -> bool:
+        """Whether every round changed the shared weights and the adapters of its own styles, and no other."""
+        own = np.zeros_like(self.changed[1:])
+        own[self.drawn, np.arange(len(self.drawn))[:, None]] = True
+        return bool(self.changed[0].all() and (self.changed[1:] == own).all())
+
+
+def rounds_of(trainer: Trainer, rounds: int) -> Rounds:
+    """Train for some rounds and look which weights each has changed ([M18] Fig. 5).
+
+    The styles are to follow one another: a trainer that draws them would draw others when asked before the round.
+    """
+    network, drawn, changed = trainer.network.synthesis, [], []
+    parts = [shared_weights(network), *(style_weights(network, k) for k in range(len(trainer.styles)))]
+    for _ in range(rounds):
+        before = [[weight.detach().clone() for weight in part] for part in parts]
+        drawn.append(trainer.styles_of_round())
+        trainer.round()
+        changed.append([not all(map(torch.equal, part, old)) for part, old in zip(parts, before, strict=True)])
+    return Rounds(np.array(drawn), np.array(changed).T)
+
+
+def l1_slopes_off(trainer: Trainer, style: int) -> dict[str, float]:
+    """How far the slopes of the loss's L1 terms ([M18] Eq. 3) in a step of one style are from the sign of each weight
+    over the number of its kind, times the kind's weight; for other styles, from zero."""
+    network, how = trainer.network.synthesis, trainer.preset
+    parts = {"shared": shared_weights(network)}
+    parts |= {f"style {k}": style_weights(network, k) for k in range(len(trainer.styles))}
+    network.zero_grad()
+    trainer.l1_terms(np.array([style])).backward()
+    weights = dict.fromkeys(parts, 0.0) | {"shared": how.shared_l1, f"style {style}": how.style_l1}
+    off = {name: _slope_off(part, weights[name]) for name, part in parts.items()}
+    network.zero_grad()
+    own = off.pop(f"style {style}")
+    return {"shared": off.pop("shared"), "its own": own, "other styles'": max(off.values(), default=0.0)}
+
+
+def _slope_off(weights: Sequence[Tensor], weight: float) -> float:
+    """The largest difference of slopes, times the number of weights."""
+    count = sum(w.numel() for w in weights)
+    found = [torch.zeros_like(w) if w.grad is None else w.grad for w in weights]
+    return max(float((count * a - weight * w.detach().sign()).abs().max()) for a, w in zip(found, weights, strict=True))
 
 
 def epochs(steps: int, batch: int, takes: Iterable[Entry]) -> float:

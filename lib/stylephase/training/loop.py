@@ -146,7 +146,7 @@ class Trainer:
         first = self.step // how.steps_per_code * how.styles_per_step
         return np.arange(first, first + how.styles_per_step) % len(self.styles)
 
-    def _l1(self, chosen: np.ndarray) -> Tensor:
+    def l1_terms(self, chosen: np.ndarray) -> Tensor:
         """The L1 terms of a step ([M18] Eq. 3): of the shared weights, and of the adapters of the step's styles."""
         how, network, total = self.preset, self.network.synthesis, torch.zeros(())
         if how.shared_l1:
@@ -173,7 +173,7 @@ class Trainer:
         mse = squared_error(y, predicted)
         bll = bone_length_loss(y, predicted, self.lengths, self.scaling)
         self.optimisers["synthesis"].zero_grad(set_to_none=True)
-        (mse + self.preset.bone_weight * bll + self._l1(chosen)).backward()
+        (mse + self.preset.bone_weight * bll + self.l1_terms(chosen)).backward()
         self.optimisers["synthesis"].step()
         return mse.item(), bll.item()
 

@@ -13,6 +13,7 @@ from refusals import refused
 from stylephase.cli import app
 from stylephase.models.bundle import load_bundle, load_tensors, save_bundle
 from stylephase.motion.bvh import write_bvh
+from stylephase.motion.synthetic import find_style, steady, walk
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +64,14 @@ def test_a_single_cycle_is_learned_with_a_warning(call):
     assert status == 0 and "a single cycle of walking; turns and other speeds will come out worse" in err
 
 
+@pytest.mark.parametrize(("gait", "forward", "told"), [("BW", -1.0, "walks backwards"), ("FR", 3.2, "runs ahead")])
+def test_what_is_no_walk_ahead_is_learned_with_a_warning(call, tmp_path, gait, forward, told):
+    clip, _ = walk(find_style("Plain"), gait, plan=steady(5.0, forward=forward))
+    write_bvh(tmp_path / "other.bvh", clip)
+    status, _, err = call(tmp_path / "other.bvh")
+    assert status == 0 and f"who {told} in it teaches no walk; expected a clip that walks ahead" in err
+
+
 class TestRefusals:
     @pytest.fixture(autouse=True)
     def nothing_written(self, tmp_path):
@@ -79,9 +88,8 @@ class TestRefusals:
         clip, other = tiny_walker.take().clip, skeletons["bandai-namco"]
         rotations = np.tile([1.0, 0.0, 0.0, 0.0], (len(clip), len(other), 1))
         write_bvh(tmp_path / "other.bvh", replace(clip, skeleton=other, rotations=rotations))
-        assert "other.bvh: its joints differ from those of the weights' skeleton" in refused(
-            call(tmp_path / "other.bvh")
-        )
+        told = refused(call(tmp_path / "other.bvh"))
+        assert "other.bvh: its joints differ from those of the weights' skeleton: it has no " in told
 
     def test_a_style_that_is_known(self, call):
         assert refused(call(style="Plain")) == "these weights know the style 'Plain' already; choose another name"

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from stylephase.evaluation.comparison import difference, mean_with_interval, rank_correlation, ratio, separation
+from stylephase.evaluation.comparison import (
+    correlation,
+    difference,
+    group_difference,
+    mean_with_interval,
+    rank_correlation,
+    ratio,
+    separation,
+)
 
 DRAWS = 400
 
@@ -89,3 +97,20 @@ def test_a_difference_of_paired_cases(rng):
 def test_the_interval_of_a_mean_narrows_with_styles(rng):
     few, many = (mean_with_interval(errors(rng, 1.0, styles=n), rng, DRAWS) for n in (6, 96))
     assert few[1] < few[0] < few[2] and many[2] - many[1] < 0.5 * (few[2] - few[1])
+
+
+def test_two_groups_differ_by_their_means_or_not_at_all(rng):
+    near, far = rng.normal(5, 1, 30), rng.normal(8, 1, 25)
+    found = group_difference(far, near, rng, DRAWS)
+    assert 2 < found.low < 3 < found.high < 4 and found.p < 0.02
+    alike = group_difference(rng.normal(5, 1, 30), near, rng, DRAWS)
+    assert alike.low < 0 < alike.high and alike.p > 0.05
+
+
+def test_a_correlation_over_cases_is_found_and_chance_has_none(rng):
+    cases = rng.normal(size=25)
+    found = correlation(cases, np.exp(cases + rng.normal(0, 0.3, 25)), rng, DRAWS)
+    assert 0.7 < found.low < found.value <= found.high <= 1 and found.p < 0.02
+    chance = correlation(cases, rng.normal(size=25), rng, DRAWS)
+    assert chance.low < 0 < chance.high and chance.p > 0.01
+    assert correlation(cases, -cases, rng, DRAWS).value == pytest.approx(-1)

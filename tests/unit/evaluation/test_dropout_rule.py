@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from stylephase.evaluation.dropout_rule import Cases, fit_rule, leave_one_style_out
+from stylephase.evaluation.dropout_rule import (
+    Cases,
+    chosen_by_style,
+    chosen_elsewhere,
+    fit_rule,
+    leave_one_style_out,
+)
 
 
 def cases(*, ruled: bool, styles: int = 12, seed: int = 0) -> Cases:
@@ -43,3 +49,27 @@ def test_cases_of_one_style_are_left_out_together():
     again = leave_one_style_out(twice)
     np.testing.assert_allclose(again.rule[:6], leave_one_style_out(one).rule)
     np.testing.assert_allclose(again.rule[6:], again.rule[:6])
+
+
+def test_a_choice_for_each_style_helps_where_styles_differ_and_not_where_takes_do():
+    rng = np.random.default_rng(0)
+    best = rng.integers(3, size=20)
+    by_style = 5 + 2.0 * (np.arange(3) != best[:, None])[..., None] + rng.normal(0, 0.1, (20, 3, 4))
+    own, one = chosen_by_style(by_style)
+    assert own.mean() == pytest.approx(5, abs=0.1) and one.mean() > own.mean() + 0.8
+    noise = 5 + rng.normal(0, 1, (20, 3, 4))
+    own, one = chosen_by_style(noise)
+    # The best of each by hindsight is much lower, and tells of noise alone.
+    assert noise.mean(axis=2).min(axis=1).mean() < 4.8 < own.mean() and abs(own.mean() - one.mean()) < 0.5
+
+
+def test_a_style_of_one_take_has_nothing_to_choose_by():
+    errors = np.full((3, 2, 2), 4.0)
+    errors[0, :, 1] = np.nan
+    own, one = chosen_by_style(errors)
+    assert np.isnan([own[0], one[0]]).all() and (own[1:] == 4).all() and (one[1:] == 4).all()
+
+
+def test_what_is_chosen_elsewhere_is_not_what_is_best_here():
+    errors = np.array([[1.0, 5.0], [4.0, 2.0], [4.0, 2.0]])
+    np.testing.assert_array_equal(chosen_elsewhere(errors), [5.0, 2.0, 2.0])

@@ -9,7 +9,10 @@ from tiny_walker import BODY, Store, take
 from stylephase.evaluation.fewshot import (
     Found,
     Study,
+    by_take,
+    change_from,
     clip_again,
+    detail_kept,
     found_of,
     learned,
     led_along,
@@ -86,12 +89,36 @@ def test_the_neutral_style_is_nearer_to_itself_than_to_a_real_take(study):
     assert share(nearer_to_neutral(again, neutral, study, ("BW",))).value == 0
 
 
+def test_what_did_not_stay_finite_is_nobodys(study):
+    neutral = led_along(study, "neutral", study.base, lambda name: study.base.code("Plain"))
+    lost = found_of(study, "lost", dict.fromkeys(study.takes))
+    assert np.isnan(nearer_to_neutral(lost, neutral, study, ("BW",))).all()
+    assert np.isnan(change_from(lost, neutral, study)).all()
+
+
+def test_what_was_learned_is_the_change_from_the_average_motion(study):
+    again = clip_again(study)
+    moved = found_of(study, "moved", {key: cycle + [0.0, 0.03, 0.0] for key, cycle in study.real.items()})
+    real = found_of(study, "real", study.real)
+    assert (change_from(again, again, study) == 0).all()
+    np.testing.assert_allclose(change_from(moved, real, study), 3)
+    errors = by_take([moved, found_of(study, "lost", dict.fromkeys(study.takes))])
+    assert errors.shape == (2, 2, 1) and errors[:, 0] == pytest.approx(3) and (errors[:, 1] == 100).all()
+
+
+def test_a_network_that_is_led_along_its_clip_has_its_share_of_detail(study):
+    way = learned(study, "cp", FewShot(factors=4), tiny.QUICK)
+    kept = detail_kept(study, dict.fromkeys(NEW, way.bundle))
+    assert kept.shape == (2,) and (kept[np.isfinite(kept)] > 0).all()
+
+
 def test_a_moved_posture_is_the_clips(study):
     real = found_of(study, "real", study.real)
     moved = with_the_clips_posture(study, real)
     usual = study.base_cycles["Plain"].mean(axis=0)
     for (name, gait), cycle in moved.cycles.items():
         expected = study.real[name, gait].mean(axis=0) + study.clip_cycles[name].mean(axis=0) - usual
+        assert cycle is not None
         np.testing.assert_allclose(cycle.mean(axis=0), expected)
     assert (study.distance > 1).all()
 

@@ -9,10 +9,20 @@ import pytest
 
 from stylephase.data.catalogue import load_catalogue
 from stylephase.data.layouts import Entry, published_entries
-from stylephase.evaluation.protocol import KEPT_BACK, drawn_styles, epochs, in_turn, passes, try_bone_term
+from stylephase.evaluation.protocol import (
+    KEPT_BACK,
+    drawn_styles,
+    epochs,
+    in_turn,
+    l1_slopes_off,
+    passes,
+    rounds_of,
+    try_bone_term,
+)
 from stylephase.features.store import VectorStore
 from stylephase.report.manifest import ROOT
-from stylephase.training.presets import PRESETS
+from stylephase.training.loop import Trainer
+from stylephase.training.presets import PRESETS, preset_for
 
 STYLES = ("Plain", "ChestOut", "LowCrouch")
 SMALL = replace(PRESETS["quick"], steps=12, log_every=12, frames_per_style=8, styles_per_step=2)
@@ -64,3 +74,22 @@ def test_the_styles_kept_back_are_those_of_the_pipeline():
     named = re.search(r'KEPT_BACK = "(.*)"', (ROOT / "Snakefile").read_text())
     assert named
     assert named[1].split(",") == list(KEPT_BACK)
+
+
+def test_in_a_training_of_adapters_a_round_changes_the_shared_weights_and_those_of_its_style(store):
+    how = replace(preset_for("quick", "pfnn-cp"), frames_per_style=8)
+    found = rounds_of(Trainer(store, "pfnn-cp", how, "quick", 0), 7)
+    assert in_turn(found.drawn, len(STYLES)) and found.own_alone
+    two = replace(how, styles_per_step=2)
+    found = rounds_of(Trainer(store, "pfnn-cp", two, "quick", 0), 4)
+    assert not in_turn(found.drawn, len(STYLES)) and found.own_alone
+    assert (found.changed[1:].sum(axis=0) == 2).all()
+
+
+def test_the_slopes_of_the_l1_terms_are_those_of_the_paper_and_are_missed_where_a_term_is(store):
+    how = preset_for("quick", "pfnn-cp")
+    trainer = Trainer(store, "pfnn-cp", how, "quick", 0)
+    assert max(l1_slopes_off(trainer, 1).values()) < 1e-6
+    trainer.l1_terms = lambda chosen: 0 * Trainer.l1_terms(trainer, chosen)
+    off = l1_slopes_off(trainer, 1)
+    assert off["shared"] > 0.005 and off["its own"] > 0.005 and off["other styles'"] == 0

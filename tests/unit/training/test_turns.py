@@ -29,7 +29,7 @@ def test_the_l1_terms_are_means_over_what_is_shared_and_over_one_styles_adapter(
     adapters = sum(weight.numel() for weight in network.modulator.parameters())
     assert len(own) * 2 == adapters and len(shared) + adapters == sum(w.numel() for w in network.parameters())
     expected = 2 * shared.abs().mean() + 3 * own.abs().mean()
-    assert torch.allclose(run._l1(run.styles_of_round() + 1), expected)
+    assert torch.allclose(run.l1_terms(run.styles_of_round() + 1), expected)
 
 
 def test_a_strong_weight_makes_weights_smaller():
