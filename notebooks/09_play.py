@@ -31,6 +31,7 @@ seconds: float = 10.0  # how long each style wanders; 3600 for the hour
 crowd_weights: str = ""  # weights of the crowd, release for the authors' network, else those of the run
 
 # %%
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -40,7 +41,8 @@ from stylephase.data.catalogue import load_catalogue
 from stylephase.evaluation import character
 from stylephase.evaluation.bench.crowds import crowd_rows
 from stylephase.evaluation.robustness import as_json, endure, table
-from stylephase.evaluation.rollouts import codes_of, start_of, walking_speed
+from stylephase.evaluation.rollouts import codes_of, walking_speed
+from stylephase.evaluation.starts import walked_starts
 from stylephase.evaluation.style import style_space
 from stylephase.features.store import VectorStore, for_gate
 from stylephase.models.released import load_weights
@@ -55,8 +57,8 @@ from stylephase.runtime.keyboard import RELEASE_KEYS, KeySettings
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.player import Player
-from stylephase.runtime.speeds import speed_curves
 from stylephase.runtime.viewer import Viewer
+from stylephase.runtime.walkers import NetworkWalker
 
 name = dataset.replace(":", "-").replace("/", "-")
 runs = sorted((ROOT / runs_folder).glob(f"{name}-{preset}-{model}-seed*/evaluation.json"))
@@ -66,6 +68,8 @@ store = VectorStore(load_catalogue(dataset, bundle.styles), bundle.about["phases
 styles = [for_gate(store.load(style), bundle.layout) for style in bundle.styles]
 by_name = dict(zip(bundle.styles, styles, strict=True))
 corners = tuple((pick(bundle.styles) * 3)[:3])
+# Weights that are passed on bring their starts along; those of a run get them here, as `stylephase export` makes them.
+bundle = bundle if bundle.starts else replace(bundle, starts=walked_starts(bundle, styles))
 Markdown(f"{len(styles)} styles of `{bundle.about['data']}` ({bundle.about['origin']}, {bundle.about['licence']})")
 
 # %% [markdown]
@@ -76,11 +80,12 @@ Markdown(f"{len(styles)} styles of `{bundle.about['data']}` ({bundle.about['orig
 # The wish is outweighed by the network's own path, so more has to be asked for than is wanted. How fast each style
 # goes ahead at each of a dozen gains is measured once; a wanted speed is read off that curve, and the last second of
 # walking corrects it. Asked for: the speed at which the data of each style walks. The release's way, a speed taken for
-# a gain, must do worse.
+# a gain, must do worse. Characters begin as anybody's do who has the weights alone: at the moment of their own walk
+# that is kept with the weights.
 
 # %%
-start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
-curves = speed_curves(bundle, bundle.styles, start, grounded=True)
+walker, codes = NetworkWalker(bundle), codes_of(bundle, styles)
+start, curves = walker.start(codes), walker.curves(bundle.styles, grounded=True)
 wanted = np.array([walking_speed(style) for style in styles])
 gains = np.array([curves[style].gain(speed) for style, speed in zip(bundle.styles, wanted, strict=True)])
 led = character.reached_speeds(bundle, codes, start, at_pace(Steady(gains), wanted))
@@ -92,6 +97,20 @@ within, by_gain = (int((np.abs(v / wanted - 1) <= played.NEAR).sum()) for v in (
 Markdown(f"Within 10 % of the speed of their data: {within} of {len(wanted)} styles; with the gain alone {by_gain}.")
 
 # %% [markdown]
+# A character that has stood for three seconds may shuffle on, and one that takes on another style may keep the way of
+# walking that it is in; both are pushed out of it or held back until they walk. Without that lead it shows.
+
+# %%
+waiting = character.after_standing(Steady(gains), 3.0)
+stood = character.reached_speeds(bundle, codes, start, at_pace(waiting, wanted), seconds=24.0)
+unled = character.reached_speeds(bundle, codes, start, waiting, seconds=24.0)
+changed = character.changed_speeds(bundle, codes, start, gains, wanted)
+cases = {"after standing": (stood, wanted), "after standing, not led": (unled, wanted)}
+cases |= {"after a change of style": (changed, np.roll(wanted, -1))}
+later = {case: int((np.abs(v / asked - 1) <= played.NEAR).sum()) for case, (v, asked) in cases.items()}
+Markdown("; ".join(f"{case}: {count} of {len(wanted)} styles within 10 %" for case, count in later.items()))
+
+# %% [markdown]
 # Styles also have faster gaits. Between walking and running there are speeds that no style holds, and a mean over
 # takes that speed up lies there.
 
@@ -101,12 +120,30 @@ speeds = np.array([speed for *_, speed in asked])
 paced = [curves[s.style].reached(speed) for s, _, speed in asked]
 plan = at_pace(Steady(np.array([curves[s.style].gain(speed) for s, _, speed in asked])), np.array(paced))
 many = [s for s, *_ in asked]
-gaits = character.reached_speeds(bundle, codes_of(bundle, many), start_of(many, bundle.body), plan)
+each = codes_of(bundle, many)
+gaits = character.reached_speeds(bundle, each, walker.start(each), plan)
 missed = [
     f"{s.style} {gait} {v:.2f}: {r:.2f}" for (s, gait, v), r in zip(asked, gaits, strict=True) if abs(r / v - 1) > 0.1
 ]
 Markdown(
     f"{len(asked) - len(missed)} of {len(asked)} speeds of gaits are reached; not these (m/s): {'; '.join(missed)}"
+)
+
+# %% [markdown]
+# ## The user's path and the network's
+#
+# > The user's control is blended with the predicted trajectory ([M22] 4.4).
+#
+# From outside: with the network's output held fixed, the wish is moved by one metre a second, then the predicted path
+# by one metre. How far does each point of the path that the network sees next follow? Both must count at every point,
+# and the wish the more the further ahead. With the wish left out nobody turns when asked to.
+
+# %%
+blend = character.trajectory_blend(bundle, codes, start, gains)
+shares = [f"{u:.2f} and {n:.2f}" for u, n in zip(blend.user, blend.network, strict=True)]
+Markdown(
+    f"Shares of the wish and of the network, point by point: {'; '.join(shares)}. Turns of 90° end "
+    f"{blend.turned.mean():.0f}° off, with the wish left out {blend.unheard.mean():.0f}°."
 )
 
 # %% [markdown]
@@ -154,7 +191,7 @@ Markdown(
 
 # %%
 fast = {"ONNX": FastNetwork(to_onnx(bundle)), "8 bits": FastNetwork(to_onnx(bundle, quantised=True))}
-one = start_of([by_name[corners[0]]], bundle.body)
+one = walker.start(bundle.code(corners[0])[None])
 costs = character.costs(bundle, bundle.code(corners[0]), one, fast)
 two = [character.one_frame(bundle, codes, start, gains, fast=network) for network in (None, fast["8 bits"])]
 bits = character.difference(*two, bundle.body)
@@ -172,9 +209,9 @@ player.mix((0.0, 0.0))
 script = [("w", 4), ("wq", 2), ("d", 3), (["w", "shift"], 3), ("", 2)]
 states = played.scripted(player, script)
 motion = played.motion_of(states, bundle.body, corners[0])
-shown = motion.frames(0, min(len(motion), 720))
-alt = "The character walks, turns left, side-steps, runs and stops, as the keys say; one picture every second."
-write_png(figures / "09_play-keys.png", grid([shown], Layout(frames=12, scale=70)), alt=alt)
+alt = "The character walks, turns left, side-steps, runs and stops, as the keys say; one picture about every second."
+picture = grid([motion], Layout(frames=15, scale=60, view="three-quarter", travelled=True))
+write_png(figures / "09_play-keys.png", picture, alt=alt)
 Image(figures / "09_play-keys.png", alt=alt)
 
 # %%
@@ -183,13 +220,18 @@ Video(str(figures / "09_play.mp4"), embed=True)
 
 # %% [markdown]
 # With W held the character should walk straight. The release asks it, while no key turns, for the facing that it has:
-# its own sway then turns it off its way. Here the facing last asked for stays.
+# its own sway then turns it off its way. Here the facing last asked for stays. Who faces ahead may still walk aside, so
+# the distance from the straight way is told too.
 
 # %%
-hold = partial(played.heading_drift, bundle, codes, start, gains, seconds=min(seconds, 30.0))
+hold = partial(played.drift, bundle, codes, start, gains, seconds=min(seconds, 30.0))
 drifts = {"ours": hold(KeySettings()), "as released": hold(RELEASE_KEYS)}
-lines = [f"{rule}: {np.median(d):.0f}° median, {d.max():.0f}° at most" for rule, d in drifts.items()]
-Markdown(f"Off the first heading after {min(seconds, 30.0):.0f} s of W: " + "; ".join(lines) + ".")
+lines = [
+    f"{rule}: heading {np.median(d.degrees):.0f}° off in the median, {d.degrees.max():.0f}° at most; "
+    f"{np.median(d.metres):.1f} m beside the way in the median, {d.metres.max():.1f} m at most"
+    for rule, d in drifts.items()
+]
+Markdown(f"After {min(seconds, 30.0):.0f} s of W. " + ". ".join(lines) + ".")
 
 # %% [markdown]
 # ## Three styles at once
@@ -223,16 +265,20 @@ Markdown(
 #
 # > A style can be stored as one vector, from one clip or as an average ([M22] 4.4).
 #
-# From the code of one clip of four seconds, or where the weights have no style network from the stored mean over clips,
-# the character follows a random path.
+# From the stored mean of codes the character follows a random path. Where a whole run is at hand, with the network that
+# makes codes, it does so from the code of one clip of four seconds too.
 
 # %%
-single = played.one_clip_codes(bundle, styles)
 lines = [curves[style] for style in bundle.styles]
-alone = endure(bundle, bundle.styles, single, start, gains, min(seconds, 30.0), curves=lines)
-source = "one clip" if bundle.makes_codes else "a stored mean of clips"
-held = sum(not e.broken for e in alone)
-Markdown(f"From the code of {source} {held} of {len(alone)} styles walk for {min(seconds, 30.0):.0f} s.")
+wander = partial(endure, bundle, bundle.styles, gains=gains, seconds=seconds, curves=lines)
+alone = wander(codes, start, seconds=min(seconds, 30.0), fast=fast["ONNX"], seed=1)
+maker = bundle if bundle.makes_codes else played.with_style_network(ROOT / runs_folder, f"{name}-{preset}-{model}")
+one_clip = maker and played.endure_from_one_clip(maker, styles, wanted, seconds)
+held = {"stored means": alone} | ({"one clip": one_clip.endured} if one_clip else {})
+Markdown(
+    "; ".join(f"from {s}: {sum(not e.broken for e in found)} of {len(found)} styles" for s, found in held.items())
+    + " stay plausible"
+)
 
 # %% [markdown]
 # ## Random input
@@ -242,7 +288,7 @@ Markdown(f"From the code of {source} {held} of {len(alone)} styles walk for {min
 # check on the network with its weights shaken must find it broken.
 
 # %%
-found = endure(bundle, bundle.styles, codes, start, gains, seconds, curves=lines, fast=fast["ONNX"])
+found = wander(codes, start, fast=fast["ONNX"])
 shaken = endure(played.shaken(bundle), bundle.styles, codes, start, gains, min(seconds, 10.0))
 Markdown(table(found))
 
@@ -255,20 +301,25 @@ Markdown(
 # %% [markdown]
 # ## A crowd
 #
-# [M22] Figure 1 shows many styles of one network. Each character here has a style of its own; all are made in one
-# batch. With `crowd_weights` set to `release` it is the authors' network and its hundred styles.
+# [M22] Figure 1 shows many styles of one network. Each character here has a style and a way of its own; all are made in
+# one batch. With `crowd_weights` set to `release` it is the authors' network and its hundred styles. Can they be told
+# apart? Two more walks of each, on other ways, say what its style is like; dealt each other's codes the characters must
+# not be recognised.
 
 # %%
-many = load_weights(crowd_weights) if crowd_weights else bundle
-walkers = played.crowd_motions(many, start=None if crowd_weights else start, gains=gains)
-columns = int(np.ceil(np.sqrt(4 * len(walkers))))
-alt = f"{len(walkers)} characters in {len(walkers)} styles, each in a pose of its walk."
-write_png(figures / "09_play-crowd.png", crowd(walkers, columns=columns), alt=alt)
+shown = played.released_crowd(load_weights(crowd_weights)) if crowd_weights else None
+shown = shown or played.crowd_of(bundle, start, gains=gains)
+columns = int(np.ceil(np.sqrt(4 * len(shown.motions))))
+alt = f"{len(shown.motions)} characters in {len(shown.motions)} styles, each in a pose of its walk."
+write_png(figures / "09_play-crowd.png", crowd(shown.motions, columns=columns), alt=alt)
 Image(figures / "09_play-crowd.png", alt=alt)
 
+# %%
+Markdown(f"{shown.right} of {shown.count} are nearest to other walks of their own style; dealt anew {shown.dealt}.")
+
 # %% [markdown]
-# Is each still in its own style? Every character of the first network follows a random path, and its walk is compared
-# with the recorded walks of all styles. Dealt each other's codes they must not be recognised.
+# And are they the styles of the data? Every character of the first network follows a random path, and its walk is
+# compared with the recorded walks of all styles. Dealt each other's codes they must not be recognised.
 
 # %%
 space = style_space(styles, bundle.body.layout)
@@ -311,14 +362,18 @@ result = played.Found(
     led=led,
     endured=found,
     alone=alone,
+    one_clip=one_clip,
+    blend=blend,
     recognised=right / len(styles),
-    walkers=len(walkers),
-    one_clip=bundle.makes_codes,
+    crowd=shown,
     released=bool(crowd_weights),
+    seconds=seconds,
 )
 played.record(recorder, result)
 recorder.number("speeds within 10 %", within, f"of {len(wanted)} styles")
 recorder.number("speeds within 10 %, gain alone", by_gain, f"of {len(wanted)} styles")
+for case, count in later.items():
+    recorder.number(f"speeds within 10 %, {case}", count, f"of {len(wanted)} styles")
 recorder.number("speeds of gaits within 10 %", len(asked) - len(missed), f"of {len(asked)}")
 for which, seen in looks.items():
     recorder.number(f"slide in contact, {which}", [float(np.median(seen.skate)), float(seen.skate.max())], "m/s")
@@ -328,8 +383,10 @@ for which, seen in looks.items():
 recorder.number("costs", costs, "ms a frame")
 recorder.number("8 bits differ", bits, "mm a joint")
 recorder.number("acceleration while mixing, jumping", [float(ratios[0]), float(ratios[2])], "of held mixtures")
-recorder.number("heading drift, ours", float(drifts["ours"].max()), "degrees at most")
-recorder.number("heading drift, as released", float(drifts["as released"].max()), "degrees at most")
+for rule, found_drift in drifts.items():
+    recorder.number(f"heading drift, {rule}", float(found_drift.degrees.max()), "degrees at most")
+    recorder.number(f"beside the way, {rule}", float(found_drift.metres.max()), "m at most")
+recorder.number("told apart in the crowd of many styles", [shown.right, shown.dealt], f"of {shown.count}, dealt anew")
 recorder.number("plausible to the end", sum(not e.broken for e in found), f"of {len(found)} styles, {seconds:g} s each")
 recorder.number("plausible to the end, shaken weights", sum(not e.broken for e in shaken), f"of {len(shaken)} styles")
 recorder.number("endurance", as_json(found))

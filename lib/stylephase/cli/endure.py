@@ -14,12 +14,12 @@ from stylephase.errors import InputError
 from stylephase.evaluation import robustness
 from stylephase.evaluation.robustness import Endurance
 from stylephase.features.layout import FPS
-from stylephase.models.released import load_weights
-from stylephase.runtime.calibration import warm_start
+from stylephase.models.released import RELEASE, load_weights
+from stylephase.models.released_pfnn import PFNN_RELEASE
 from stylephase.runtime.finishing import RAW, Finishing
 from stylephase.runtime.graph import FastNetwork, to_onnx
 from stylephase.runtime.limits import FASTEST
-from stylephase.runtime.speeds import speed_curves
+from stylephase.runtime.walkers import NetworkWalker
 
 # An hour is what is meant; a day is the most. Shorter than settling says nothing.
 _SHORTEST, _LONGEST = 4.0, 86_400.0
@@ -45,12 +45,14 @@ def endure(
         raise InputError(f"--seconds is {seconds:g}; expected {_SHORTEST:g} to {_LONGEST:g}")
     if speed is not None and not 0 < speed <= FASTEST:
         raise InputError(f"--speed is {speed:g}; expected above 0 and at most {FASTEST:g} m/s")
+    if weights == PFNN_RELEASE:
+        raise InputError(f"{PFNN_RELEASE} has gaits and no styles; expected a folder of trained weights or {RELEASE}")
     bundle = load_weights(weights)
     names = bundle.styles if styles is None else tuple(name.strip() for name in styles.split(","))
     check_styles(names, bundle.styles)
     codes = torch.stack([bundle.code(name) for name in names])
-    start = warm_start(bundle, codes, np.ones(len(names)))
-    curves = speed_curves(bundle, names, start, grounded=not raw)
+    walker = NetworkWalker(bundle)
+    start, curves = walker.start(codes), walker.curves(names, grounded=not raw)
     gains = np.array([curves[name].gain(speed or curves[name].own) for name in names])
     fast = FastNetwork(to_onnx(bundle), threads=torch.get_num_threads())
     led, finishing = ((), RAW) if raw else ([curves[name] for name in names], Finishing())

@@ -30,6 +30,7 @@ from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
 from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
 from stylephase.runtime.speeds import mixed_gain, mixed_speed
 from stylephase.runtime.walkers import drive, load_any, walker_of
+from stylephase.runtime.ways import Way, watched, way_of
 
 FORMATS = (".bvh", ".npz", ".mp4", ".gif")
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
@@ -70,7 +71,9 @@ def rollout(
     frames = round(seconds * FPS)
 
     def plan(gain: Float[ndarray, "1"]) -> Plan:
-        return Steady(gain, np.radians(turn), np.radians(strafe)) if points is None else FollowPath(points, gain)
+        if points is None:
+            return Steady(gain, np.radians(turn), np.radians(strafe))
+        return FollowPath(points, gain, stops=True)
 
     with tqdm(desc=out.name, unit="frame", disable=None) as bar:
         drive_by = partial(_walk, weights, style, out.stem, speed, plan, frames, tick=bar.update)
@@ -84,13 +87,24 @@ def rollout(
     result = {"out": out, "weights": weights, "licence": walk.licence, "style": walk.style}
     result |= {"frames": len(walk.clip), "fps": FPS, "gain": walk.gain, "speed": walk.speed}
     result |= {"raw": raw, "grounded": walk.grounded, "asked": speed, "near": _off(walk.speed, speed) <= _NEAR}
+    result |= {"way": walk.way.to_json(), "asked_way": {"strafe": strafe, "turn": turn}}
     text = f"{out}: {len(walk.clip)} frames of {style} at {walk.speed:.2f} m/s (asked: {speed:.2f}, "
-    text += f"gain {walk.gain:.2f})"
+    text += f"gain {walk.gain:.2f}){_way_text(walk.way, strafe, turn)}"
     if not result["near"]:
-        text += "; these weights do not walk at that speed"
+        text += "; not within 10 % of that speed"
     if not raw and not walk.grounded:
         text += "; not grounded, which is nearer to it"
     emit(result, as_json=as_json, text=text)
+
+
+def _way_text(way: Way, strafe: float, turn: float) -> str:
+    """How far the way is what was asked for, where something was."""
+    text = f", {way.strafe:.0f}° aside (asked: {strafe:.0f}°)" if strafe else ""
+    text += f", turning {way.turn:.0f}°/s (asked: {turn:.0f}°/s)" if turn else ""
+    if way.off is not None:
+        text += f", at most {way.off:.1f} m off the path, "
+        text += "whose end was not reached" if way.arrived is None else f"at its end after {way.arrived:.1f} s"
+    return text
 
 
 def _off(speed: float, asked: float) -> float:
@@ -109,6 +123,7 @@ class _Walk:
     gain: float
     speed: float
     grounded: bool
+    way: Way
 
 
 # From the gains of one character to its plan.
@@ -138,11 +153,16 @@ def _walk(
         gain, wanted = (np.array([of(curves, mixture, speed)]) for of in (mixed_gain, mixed_speed))
     else:
         start, gain, wanted = walker.start(codes, speed), np.array([push * speed]), np.array([speed])
-    run = drive(walker, codes, start, frames, at_pace(plan(gain), wanted), finishing, tick)
+    asked = plan(gain)
+    seen = watched(asked)
+    run = drive(walker, codes, start, frames, at_pace(seen, wanted), finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
-    clip, reached = to_clip(run, 0, walker.body, name), speed_of(run.root_positions[:, 0])
-    return _Walk(clip, run.contacts[:, 0] > 0.5, _licence(loaded), mixture, float(gain[0]), reached, finishing.grounded)
+    clip, way = to_clip(run, 0, walker.body, name), way_of(run, 0, asked, seen.off)
+    stop = len(run) if way.arrived is None else max(round(way.arrived * FPS), 1)
+    reached = speed_of(run.root_positions[:stop, 0])
+    told = (run.contacts[:, 0] > 0.5, _licence(loaded), mixture, float(gain[0]), reached, finishing.grounded, way)
+    return _Walk(clip, *told)
 
 
 def _licence(loaded: Bundle | ReleasedPfnn) -> str | None:

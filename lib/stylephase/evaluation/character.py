@@ -16,13 +16,13 @@ from torch import Tensor
 from stylephase.data.catalogue import cut_frames, load_clip, usable
 from stylephase.evaluation.bench.rows import interleaved, threads
 from stylephase.evaluation.interpolation import Pair, blended_codes, blended_gains, starts
-from stylephase.evaluation.motion import foot_skate
+from stylephase.evaluation.motion import foot_skate, heading_error
 from stylephase.evaluation.robustness import random_paths
 from stylephase.evaluation.rollouts import SETTLE, local_poses
-from stylephase.evaluation.style import StyleSpace
+from stylephase.evaluation.style import StyleSpace, space_of, statistics
 from stylephase.features.body import Body
 from stylephase.features.clips import WALKS
-from stylephase.features.layout import FPS, INPUT_SAMPLES
+from stylephase.features.layout import FPS, INPUT_SAMPLES, OUTPUT_SAMPLES
 from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.models.bundle import Bundle
 from stylephase.motion.clip import forward_kinematics
@@ -32,12 +32,13 @@ from stylephase.runtime.finish import finish
 from stylephase.runtime.finishing import Finisher, Finishing
 from stylephase.runtime.foot_lock import LockSettings
 from stylephase.runtime.mixtures import CORNERS
-from stylephase.runtime.pace import at_pace
+from stylephase.runtime.pace import Pace, at_pace
 from stylephase.runtime.paths import FollowPaths
-from stylephase.runtime.plans import Plan, Steady
-from stylephase.runtime.player import Player
+from stylephase.runtime.plans import OnPath, Plan, Steady, TurnOnce
+from stylephase.runtime.player import BLEND, Player
 from stylephase.runtime.rig import rig_of
 from stylephase.runtime.rollout import Rollout, as_rollout, roll_out
+from stylephase.runtime.trajectory import PAST, Steering
 from stylephase.runtime.walkers import NetworkWalker, drive
 
 _CONTACT = 0.5
@@ -49,6 +50,8 @@ SUDDEN = LockSettings(stopping=1e-3, returning=1e-3)
 _BEFORE, _AFTER, _AHEAD = -30, 24, 0.9
 # A hand this far from its place (m) is in the wrong place.
 _MISPLACED = 0.05
+# Clips (frames) by which a crowd is told apart where there are no data.
+_CLIP = int(1.5 * FPS)
 # Points of the triangle at which a mixture is held: corners, middles of the sides.
 _HELD = np.concatenate([CORNERS, (CORNERS + np.roll(CORNERS, -1, axis=0)) / 2])
 
@@ -209,6 +212,100 @@ def reached_speeds(
     return np.array([speed_of(run.root_positions[frames // 2 :, k]) for k in range(len(codes))])
 
 
+def after_standing(plan: Plan, seconds: float) -> Plan:
+    """The same plan once a character has stood for some seconds, as one does before a key is pressed."""
+
+    def later(frame: int, state: OnPath) -> Steering:
+        wish = plan(frame, state)
+        return Steering(wish.velocity * (frame >= seconds * FPS), wish.facing)
+
+    return later
+
+
+def changed_speeds(
+    bundle: Bundle,
+    codes: Float[Tensor, "characters values"],
+    start: State,
+    gains: Float[ndarray, " characters"],
+    wanted: Float[ndarray, " characters"],
+    *,
+    before: float = 4.0,
+    seconds: float = 20.0,
+) -> Float[ndarray, " characters"]:
+    """Speeds (m/s) over the last half of finished walks that go on in the style of the next one after some seconds.
+
+    The change comes as a player's does; code, gain and wanted speed are those of the next style then.
+    """
+    walker, finisher, pace = NetworkWalker(bundle), Finisher(bundle.body), Pace(len(codes))
+    now, target, state, places = codes, torch.roll(codes, -1, dims=0), start, []
+    for frame in range(int(seconds * FPS)):
+        if frame >= before * FPS:
+            now = now + BLEND * (target - now)
+        own, speed = ((np.roll(v, -1) if frame >= before * FPS else v) for v in (gains, wanted))
+        wish = pace.lead(Steady(own)(frame, state), speed, state)
+        state, _ = finisher(state, walker.step(now, state, wish))
+        places.append(state.path.root.positions)
+    half = np.stack(places[len(places) // 2 :])
+    return np.array([speed_of(half[:, k]) for k in range(len(codes))])
+
+
+@dataclass(frozen=True)
+class Blend:
+    """What the path to come is made of ([M22] 4.4).
+
+    How far a point ahead follows when the user's wish, or the network's predicted path, is moved by one (1: it alone
+    decides); from the next point to the last, over all characters alike. And how far (degrees) characters are off a
+    turn of 90 degrees that is asked for, and with the wish left out, as a null.
+    """
+
+    user: Float[ndarray, " points"]
+    network: Float[ndarray, " points"]
+    turned: Float[ndarray, " characters"]
+    unheard: Float[ndarray, " characters"]
+
+    @property
+    def blended(self) -> bool:
+        """Whether both count at every point, the wish more the further ahead, and it is the wish that turns them."""
+        both = self.user.min() > 0 and self.network.min() > 0 and max(self.user.max(), self.network.max()) <= 1
+        obeys = self.turned.mean() < 0.5 * self.unheard.mean()
+        return bool(both and self.user[-1] > self.user[0] and obeys)
+
+
+def trajectory_blend(
+    bundle: Bundle,
+    codes: Float[Tensor, "characters values"],
+    start: State,
+    gains: Float[ndarray, " characters"],
+    *,
+    settings: ControllerSettings | None = None,
+    seconds: float = 6.0,
+) -> Blend:
+    """Probe the controller from outside: with the network's output held fixed, one thing is moved at a time."""
+    how, layout = settings or ControllerSettings(), bundle.layout
+    y = Controller(bundle, codes, how).predict(input_of(start), start.phases)
+    ahead = np.array([sample for sample in OUTPUT_SAMPLES if sample > 0])
+    moved = y.copy()
+    samples = moved[:, layout.y_trajectory].reshape(len(y), len(OUTPUT_SAMPLES), 4)
+    samples[:, np.array(OUTPUT_SAMPLES) > 0, 1] += 1.0
+    moved[:, layout.y_trajectory] = samples.reshape(len(y), -1)
+
+    def path(outputs: ndarray, speed: float) -> ndarray:
+        fixed = Controller(bundle, codes, how, lambda *_: outputs)
+        wish = Steering(np.tile([0.0, speed], (len(codes), 1)), start.path.root.angles)
+        return fixed.step(start, wish).path.positions[:, PAST + ahead]
+
+    plain = path(y, 1.0)
+    user = np.linalg.norm(path(y, 2.0) - plain, axis=-1).mean(axis=0) * FPS / ahead
+    network = np.linalg.norm(path(moved, 1.0) - plain, axis=-1).mean(axis=0)
+
+    def off(given: ControllerSettings) -> ndarray:
+        turn = TurnOnce(gains, np.pi / 2, int(FPS))
+        run = roll_out(bundle, codes, start, int(seconds * FPS), turn, given)
+        return np.array([heading_error(run.root_angles[:, k], np.pi / 2) for k in range(len(codes))])
+
+    return Blend(user, network, off(how), off(replace(how, position_bias=0.0, direction_bias=0.0)))
+
+
 def mixing(player: Player, seconds: float = 12.0) -> dict[str, float]:
     """Largest acceleration (m/s2) of a walk whose mixture goes round the triangle, is held, and jumps, as long each.
 
@@ -315,6 +412,20 @@ def nearest_styles(run: Rollout, space: StyleSpace, settle: int = SETTLE) -> lis
     """The nearest style to each character's walk, among all of the space; empty for one that did not stay finite."""
     walks = [local_poses(run, k)[settle:] if run.finite[k] else None for k in range(len(run.finite))]
     return ["" if walk is None else space.nearest(walk) for walk in walks]
+
+
+def crowd_space(runs: Sequence[Rollout], styles: Sequence[str], settle: int = SETTLE) -> StyleSpace:
+    """The space of the styles of a crowd by its own walks, one character a style in each run, where no data are.
+
+    Clips of a second and a half tell what varies within a style. A style that stays finite in no run has no place.
+    """
+    groups: dict[str, list[ndarray]] = {style: [] for style in styles}
+    for run in runs:
+        for k in np.flatnonzero(run.finite):
+            poses = local_poses(run, int(k))[settle:]
+            cuts = range(0, len(poses) - _CLIP + 1, _CLIP)
+            groups[styles[int(k)]] += [statistics(poses[at : at + _CLIP]) for at in cuts]
+    return space_of({style: np.array(group) for style, group in groups.items()})
 
 
 def dealt_anew(codes: Float[Tensor, "characters values"]) -> Float[Tensor, "characters values"]:

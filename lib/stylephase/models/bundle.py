@@ -1,7 +1,8 @@
 """A trained model in a folder: weights as safetensors, everything else as JSON."""
 
 import math
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,15 @@ from stylephase.models.generator import GeneratorSettings
 from stylephase.models.synthesis import NetworkSettings, StyledNetwork
 from stylephase.models.zoo import build, layout_for, widths_of
 
-_WEIGHTS, _MODEL = "weights.safetensors", "model.json"
+_WEIGHTS, _MODEL, _STARTS = "weights.safetensors", "model.json", "starts.safetensors"
+
+
+@dataclass(frozen=True)
+class Start:
+    """What the network saw in the middle of a walk of its own: its input x (metres) and what its gate looks at."""
+
+    x: Float[Tensor, " inputs"]
+    p: Float[Tensor, " gate_inputs"]
 
 
 @dataclass(frozen=True)
@@ -29,6 +38,7 @@ class Bundle:
     """A network with what it takes to run it.
 
     `codes` holds one style code per style; `about` says where the weights come from (data set, preset, seed, licence).
+    `starts` are moments of its own walks, of the styles of which they were kept (evaluation/starts.py).
     """
 
     model: str
@@ -38,6 +48,7 @@ class Bundle:
     normaliser: Normaliser
     codes: dict[str, Float[Tensor, " values"]]
     about: dict[str, Any]
+    starts: Mapping[str, Start] = field(default_factory=dict)
 
     @property
     def styles(self) -> tuple[str, ...]:
@@ -98,7 +109,18 @@ def save_bundle(folder: Path, bundle: Bundle, *, to_run: bool = False) -> None:
     described = {"model": bundle.model, "settings": asdict(bundle.settings), "styles": list(bundle.styles)}
     described |= {"generator": stored}
     described["settings"]["generator"] = _finite(described["settings"]["generator"])
+    if bundle.starts:
+        save_starts(folder, bundle.starts)
+    else:
+        (folder / _STARTS).unlink(missing_ok=True)
     write_json(folder / _MODEL, described | {"body": bundle.body.to_json(), "about": bundle.about})
+
+
+def save_starts(folder: Path, starts: Mapping[str, Start]) -> Path:
+    """Write starts beside the weights, in single precision; whole or not at all."""
+    parts = [(f"{part}.{style}", tensor) for style, start in starts.items() for part, tensor in vars(start).items()]
+    save_tensors(folder / _STARTS, {name: tensor.float() for name, tensor in parts})
+    return folder / _STARTS
 
 
 def is_bundle(folder: Path) -> bool:
@@ -143,7 +165,21 @@ def load_bundle(folder: str | Path) -> Bundle:
         network.generator.to("meta")
     normaliser = Normaliser(**{name: tensor.numpy() for name, tensor in _under("normaliser.", tensors).items()})
     codes = {style: tensors[f"code.{style}"] for style in styles}
-    return Bundle(model, network.eval(), settings, body, normaliser, codes, about)
+    starts = _starts(folder / _STARTS, styles, layout_for(model, body.layout))
+    return Bundle(model, network.eval(), settings, body, normaliser, codes, about, starts)
+
+
+def _starts(path: Path, styles: Sequence[str], layout: Layout) -> dict[str, Start]:
+    """The starts beside the weights, none where there is no such file; those of styles that are not there are left."""
+    tensors = load_tensors(path) if path.exists() else {}
+    kept = [style for style in styles if f"x.{style}" in tensors]
+    widths = {"x": (layout.inputs,), "p": (layout.gate_inputs,)}
+    for style in kept:
+        for part, width in widths.items():
+            found = tensors.get(f"{part}.{style}")
+            if found is None or tuple(found.shape) != width or not found.isfinite().all():
+                raise InputError(f"does not fit {_MODEL}: {part}.{style} should be {width[0]} finite numbers", path)
+    return {style: Start(tensors[f"x.{style}"], tensors[f"p.{style}"]) for style in kept}
 
 
 def _no_model(folder: Path, error: Exception) -> InputError:

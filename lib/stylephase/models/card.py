@@ -28,6 +28,7 @@ def _origin(bundle: Bundle) -> list[str]:
         f"phases `{about.get('phases')}`.",
         "* Contents: what runs a character. Weights and codes are in half precision, and the network that makes codes "
         "of clips is left out.",
+        f"* Starts: {len(bundle.starts)} styles have a moment of their walk to begin at, to which this network walked.",
         f"* Styles: {styles}.",
         "",
     ]

@@ -1,8 +1,8 @@
 """Speeds in metres per second: wishes are made larger while a character is too slow, smaller while it is too fast.
 
 Walking and running are two ways of going on, and some styles keep the one that they are in whatever is wished: who runs
-goes on running when a walk, or nothing, is wished for; and some go backwards when little is wished for. Such a
-character is pulled back until it walks, or pushed until it goes ahead.
+goes on running when a walk, or nothing, is wished for; who stood shuffles on; and some go backwards when little is
+wished for. Such a character is pulled back until it walks, or pushed until it goes ahead, the more the longer it stays.
 """
 
 import numpy as np
@@ -24,6 +24,10 @@ _SAME = 0.02
 # many times what is too much, and who goes the wrong way is pushed; that is told from half a second. Who should stand
 # is led back by so much a metre (1/s).
 _TOO_FAST, _NO_WALK, _PULL, _PUSH, _SHORT, _HOME = 1.3, 1.3, 1.5, 1.5, int(FPS / 2), 2.0
+# Who after that patience goes at less or more than these shares of the wanted speed is stuck: it is wished what is
+# missing, or so many times what is too much, and that again for each second that it has been stuck, up to a bound
+# (m/s). That wears off so many times as fast.
+_SLOW, _FAST, _MISSING, _MUCH, _WEARS_OFF, _LOOSENS = 0.8, 1.1, 1.0, 1.5, 4.0, 3.0
 # Nobody walks so far in a frame (m): that is a jump to another place.
 _JUMP = 1.0
 
@@ -33,6 +37,7 @@ class Pace:
 
     def __init__(self, characters: int):
         self.factors, self.wanted, self.waited = np.ones(characters), np.zeros(characters), np.zeros(characters)
+        self.stuck = np.zeros(characters)
         self.stood, self.home = np.zeros(characters, dtype=bool), np.zeros((characters, 2))
         self.track: Float[ndarray, "frames characters 2"] = np.full((0, characters, 2), np.nan)
 
@@ -53,7 +58,8 @@ class Pace:
         # Who goes the wrong way is pushed.
         way = unit_ground(wish.velocity, np.zeros_like(moved))
         wrong = np.where(wanted > 0, np.maximum(-(moved * way).sum(axis=1), 0.0), 0.0)
-        led = np.nan_to_num(_PUSH * wrong[:, None] * way - back + self._home(wanted), posinf=0.0, neginf=0.0)
+        loosened = self._loosened(way, wanted)[:, None] * way
+        led = np.nan_to_num(_PUSH * wrong[:, None] * way - back + loosened + self._home(wanted), posinf=0.0, neginf=0.0)
         return Steering(wish.velocity * self.factors[:, None] + led, wish.facing)
 
     def _home(self, wanted: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2"]:
@@ -63,10 +69,22 @@ class Pace:
         self.stood = standing
         return _HOME * (self.home - self.track[-1])
 
+    def _loosened(
+        self, way: Float[ndarray, "characters 2"], wanted: Float[ndarray, " characters"]
+    ) -> Float[ndarray, " characters"]:
+        """What is wished more (m/s) along the way of those who are stuck in another speed."""
+        ahead = (self._moved(_WINDOW) * way).sum(axis=1)
+        late = (self.waited > _PATIENCE) & (wanted > _STANDS) & (len(self.track) > _WINDOW)
+        slow, fast = late & (ahead < _SLOW * wanted), late & (ahead > _FAST * wanted)
+        self.stuck = np.where(slow | fast, self.stuck + 1 / FPS, np.maximum(self.stuck - _WEARS_OFF / FPS, 0.0))
+        share = np.where(slow, _MISSING, np.where(fast, _MUCH, 0.0)) * (1 + self.stuck)
+        return np.clip(share * (wanted - ahead), -_LOOSENS, _LOOSENS)
+
     def _see(self, places: Float[ndarray, "characters 2"]) -> None:
         if len(self.track):
             jumped = ~(np.linalg.norm(places - self.track[-1], axis=1) < _JUMP)
             self.factors, self.waited = np.where(jumped, 1.0, self.factors), np.where(jumped, 0.0, self.waited)
+            self.stuck = np.where(jumped, 0.0, self.stuck)
             self.track, self.stood = np.where(jumped[:, None], places, self.track), self.stood & ~jumped
         self.track = np.concatenate([self.track[-_WINDOW:], places[None]])
 

@@ -28,6 +28,8 @@ class OnPath(Protocol):
 Plan = Callable[[int, OnPath], Steering]
 # A character on a path heads for the point this far ahead on it, and gets on by at most so much in a frame (m).
 _LOOK_AHEAD, _REACH = 0.8, 2.0
+# Who should stop at a path's end is asked to so far before it (m).
+_STOPPING = 0.3
 # Points nearer to each other than this (m) are one.
 _SAME = 1e-6
 
@@ -72,14 +74,17 @@ class TurnOnce:
 
 
 class FollowPath:
-    """Follow a path of ground points (x, z) in metres, facing along it; past its end, go on straight.
+    """Follow a path of ground points (x, z) in metres, facing along it; past its end, go on straight, or stop there.
 
     How far each character has come is kept from frame to frame and never falls, so a path may cross itself or close.
-    Frame 0 begins anew. Raises InputError for points that are not finite or lie all in one place; of neighbours in one
-    place, one counts.
+    Frame 0 begins anew. `off` is the present distance (m) of each character from the path, `arrived` the frame at which
+    each came to its end, with `stops` within stopping distance of it, and -1 until then. Raises InputError for points
+    that are not finite or lie all in one place; of neighbours in one place, one counts.
     """
 
-    def __init__(self, points: Float[ndarray, "points 2"], speeds: Float[ndarray, " characters"]):
+    def __init__(
+        self, points: Float[ndarray, "points 2"], speeds: Float[ndarray, " characters"], *, stops: bool = False
+    ):
         if not np.isfinite(points).all():
             raise InputError("a path should be of finite numbers")
         points = points[np.insert(np.linalg.norm(np.diff(points, axis=0), axis=1) > _SAME, 0, True)]
@@ -89,16 +94,27 @@ class FollowPath:
         self.steps = np.diff(points, axis=0)
         self.lengths = np.linalg.norm(self.steps, axis=1)
         self.along = np.concatenate([[0.0], np.cumsum(self.lengths)])
-        self.reached = np.zeros(len(speeds))
+        self.reached, self.off, self.stops = np.zeros(len(speeds)), np.zeros(len(speeds)), stops
+        self.arrived = np.full(len(speeds), -1)
 
     def __call__(self, frame: int, state: OnPath) -> Steering:
         """Head for a point of the path a little ahead of the nearest one."""
         positions = state.path.root.positions
         before = np.zeros_like(self.reached) if frame == 0 else self.reached
+        self.arrived = np.full_like(self.arrived, -1) if frame == 0 else self.arrived
         self.reached = np.array([self._nearest(p, s) for p, s in zip(positions, before, strict=True)])
+        nearest = np.stack([self._point(s) for s in self.reached])
+        self.off = np.linalg.norm(nearest - positions, axis=1)
+        there = self.reached >= self.along[-1] - (_STOPPING if self.stops else 0.0)
+        self.arrived = np.where((self.arrived < 0) & there, frame, self.arrived)
         towards = np.stack([self._point(s + _LOOK_AHEAD) for s in self.reached]) - positions
+        if self.stops:
+            # Who has arrived stands and faces as the path ended.
+            end = self._point(self.along[-1] + _LOOK_AHEAD) - self._point(self.along[-1])
+            towards = np.where((self.arrived >= 0)[:, None], end, towards)
         facing = np.arctan2(towards[:, 0], towards[:, 1])
-        return Steering(self.speeds[:, None] * heading(facing), facing)
+        speeds = np.where((self.arrived >= 0) & self.stops, 0.0, self.speeds)
+        return Steering(speeds[:, None] * heading(facing), facing)
 
     def _nearest(self, position: Float[ndarray, "2"], reached: float) -> float:
         """Way along the path (m) to its nearest point that is not behind and not beyond reach."""

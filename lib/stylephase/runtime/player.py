@@ -1,6 +1,7 @@
 """One character that somebody plays: keys or a path, a mixture of three styles, a speed in metres per second."""
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import torch
@@ -22,7 +23,20 @@ from stylephase.runtime.trajectory import Steering
 from stylephase.runtime.walkers import walker_of
 
 # A new mixture is taken on by this share a frame: a quarter of a second for most of it, so that nothing jumps.
-_BLEND = 0.1
+BLEND = 0.1
+
+
+def _numbers(value: object, what: str) -> Float[ndarray, "..."]:
+    """Numbers that came from outside; raises InputError for what holds none."""
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} should be of numbers, not {_told(value)}") from error
+
+
+def _told(value: object) -> str:
+    """The beginning of an odd value, for a message of one line."""
+    return " ".join(repr(value).split())[:40]
 
 
 class Player:
@@ -33,7 +47,7 @@ class Player:
     gives are finished unless `finishing` says otherwise (`RAW` for the network's own), and the character is led to the
     wanted speed (pace.py). What is set takes effect with the next frame; odd values have a defined effect: a speed that
     is no number is 0, one above `FASTEST` is that, unknown keys mean nothing. Raises InputError for an unknown style, a
-    path without length, and a point that is not finite; then nothing changes.
+    path without length, a point that is not finite, and what is no number or no name; then nothing changes.
     """
 
     def __init__(
@@ -69,38 +83,49 @@ class Player:
         return self._speed
 
     @speed.setter
-    def speed(self, speed: float) -> None:
-        self._speed = float(np.clip(np.nan_to_num(speed, nan=0.0), 0.0, FASTEST))
+    def speed(self, speed: Any) -> None:
+        wanted = _numbers(speed, "a speed")
+        if wanted.ndim:
+            raise InputError(f"a speed should be one number, not {_told(speed)}")
+        self._speed = float(np.clip(np.nan_to_num(wanted, nan=0.0), 0.0, FASTEST))
 
     @property
     def weights(self) -> Float[ndarray, "3"]:
         """Weights of the three styles."""
         return barycentric(self.point)
 
-    def hold(self, keys: Collection[str]) -> None:
-        """The keys that are held now; a key that moves ends the following of a path."""
+    def hold(self, keys: Any) -> None:
+        """The names of the keys that are held now; a key that moves ends the following of a path."""
+        if not isinstance(keys, Collection) or not all(isinstance(key, str) for key in keys):
+            raise InputError(f"keys should be names of keys, not {_told(keys)}")
         self.held = frozenset(key.lower() for key in keys) & KEYS
         self.path = None if self.held else self.path
 
-    def mix(self, point: Float[ndarray, " coordinates"] | Sequence[float | int]) -> None:
+    def mix(self, point: Any) -> None:
         """Move the mixture to a point of the triangle, or the nearest to it."""
-        barycentric(point)
-        self.point = np.asarray(point, dtype=float)
+        found = _numbers(point, "a point of the triangle")
+        if found.shape != (2,):
+            raise InputError(f"a point of the triangle should be two finite numbers, not {_told(point)}")
+        barycentric(found)
+        self.point = found
 
     def jump_to_mixture(self) -> None:
         """Take on the mixture at once, and not within a quarter of a second."""
         self.code = self._wanted_code()
 
-    def choose(self, styles: Sequence[str]) -> None:
+    def choose(self, styles: Any) -> None:
         """Other styles at the corners; their curves must have been measured."""
         chosen = self._three(styles)
         if missing := [style for style in chosen if style not in self.curves]:
             raise InputError(f"the speeds of style {missing[0]} have not been measured")
         self.styles = chosen
 
-    def follow(self, points: Float[ndarray, "points width"] | Sequence[Sequence[float | int]]) -> None:
+    def follow(self, points: Any) -> None:
         """Walk along a path that was drawn on the ground (x, z in metres), from where the character is."""
-        drawn = drawn_path(points)
+        found = _numbers(points, "a path")
+        if found.ndim != 2:
+            raise InputError(f"a path should be points of two finite numbers each, not {_told(points)}")
+        drawn = drawn_path(found)
         whole = drawn_path(np.concatenate([self.state.path.root.positions, drawn]))
         self.path, self.frame = FollowPaths([whole], np.ones(1)), 0
 
@@ -128,7 +153,7 @@ class Player:
 
     def step(self) -> State:
         """The next frame, as it is shown. A character that left the finite numbers starts anew."""
-        self.code = self.code + _BLEND * (self._wanted_code() - self.code)
+        self.code = self.code + BLEND * (self._wanted_code() - self.code)
         before = self.state
         self.state, shown = self.finisher(before, self.walker.step(self.code[None], before, self.steering()))
         self.frame += 1
@@ -140,7 +165,9 @@ class Player:
     def _wanted_code(self) -> torch.Tensor:
         return self.walker.code(triangle_mixture(self.styles, self.point))
 
-    def _three(self, styles: Sequence[str]) -> tuple[str, ...]:
+    def _three(self, styles: Any) -> tuple[str, ...]:
+        if isinstance(styles, str) or not isinstance(styles, Sequence) or not all(isinstance(s, str) for s in styles):
+            raise InputError(f"the corners of the triangle should be three names of styles, not {_told(styles)}")
         if len(styles) != 3:
             raise InputError(f"the triangle has three corners, not {len(styles)}")
         for style in styles:

@@ -19,7 +19,7 @@ from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn, fetch_pf
 from stylephase.motion.rest import rest_axes
 from stylephase.motion.skeleton import Skeleton
 from stylephase.runtime.calibration import warm_start
-from stylephase.runtime.controller import Controller, ControllerSettings, Predict, State
+from stylephase.runtime.controller import Controller, ControllerSettings, Predict, State, input_of, start_state
 from stylephase.runtime.finishing import Finisher, Finishing
 from stylephase.runtime.pfnn import PfnnState, start_pfnn, step_pfnn
 from stylephase.runtime.plans import Plan
@@ -48,8 +48,11 @@ class Walker(Protocol):
         """The code of a mixture of styles; raises InputError for an unknown style and weights that are no mixture."""
         ...
 
-    def start(self, codes: Codes, speed: float = 1.0) -> State:
-        """Characters at the origin that face +z and have begun to walk, as nearly as may be at a speed (m/s)."""
+    def start(self, codes: Codes, speed: float | None = None) -> State:
+        """Characters at the origin that face +z and have begun to walk, as nearly as may be at a speed (m/s).
+
+        Without a speed each walks as its style does where that is known, else at about 1 m/s.
+        """
         ...
 
     def curves(self, styles: Sequence[str], *, grounded: bool) -> dict[str, SpeedCurve]:
@@ -66,16 +69,28 @@ class NetworkWalker:
 
     def __init__(self, bundle: Bundle, settings: ControllerSettings | None = None, fast: Predict | None = None):
         self.bundle, self.settings = bundle, settings or ControllerSettings()
-        self.body, self.styles = bundle.body, bundle.styles
+        self.body, self.styles, self.layout = bundle.body, bundle.styles, bundle.layout
         self.controller = Controller(bundle, torch.empty(0, 0), self.settings, fast)
 
     def code(self, mixture: Mapping[str, float]) -> Float[Tensor, " values"]:
         """The weighted sum of the styles' codes."""
         return mixed_code(self.bundle, dict(mixture))
 
-    def start(self, codes: Codes, speed: float = 1.0) -> State:
-        """Some seconds after the mean frame of the data."""
-        return warm_start(self.bundle, codes, np.full(len(codes), speed))
+    def start(self, codes: Codes, speed: float | None = None) -> State:
+        """The moment of its own walk that is kept with the weights, of a mixture that of the style it is nearest to.
+
+        Where none is kept, and with a speed, some seconds after the mean frame of the data.
+        """
+        styles = nearest_codes(self.bundle, codes)
+        unknown = [k for k, style in enumerate(styles) if speed is not None or style not in self.bundle.starts]
+        x, p = (np.zeros((len(codes), width)) for width in (self.layout.inputs, self.layout.gate_inputs))
+        if unknown:
+            warm = warm_start(self.bundle, codes[unknown], np.full(len(unknown), 1.0 if speed is None else speed))
+            x[unknown], p[unknown] = input_of(warm), warm.phases
+        for k in set(range(len(codes))) - set(unknown):
+            kept = self.bundle.starts[styles[k]]
+            x[k], p[k] = kept.x.numpy(), kept.p.numpy()
+        return start_state(x, p, self.layout)
 
     def curves(self, styles: Sequence[str], *, grounded: bool) -> dict[str, SpeedCurve]:
         """Measured, which takes about a second a style."""
@@ -86,6 +101,12 @@ class NetworkWalker:
         """One frame of the controller."""
         self.controller.codes = codes
         return self.controller.step(state, steering)
+
+
+def nearest_codes(bundle: Bundle, codes: Codes) -> list[str]:
+    """The style whose code is nearest to each of some codes: of a mixture, as a rule, the style of most weight."""
+    known = torch.stack([bundle.code(style) for style in bundle.styles])
+    return [bundle.styles[k] for k in torch.cdist(codes[None], known[None])[0].argmin(dim=1).tolist()]
 
 
 @dataclass(frozen=True)
@@ -116,7 +137,7 @@ class HoldenWalker:
             raise InputError("style weights should be numbers not below zero, with one above")
         return weights / weights.sum()
 
-    def start(self, codes: Codes, speed: float = 1.0) -> State:
+    def start(self, codes: Codes, speed: float | None = None) -> State:
         """The mean pose, whatever the speed."""
         return self._seen(start_pfnn(self.released, len(codes)))
 

@@ -56,6 +56,10 @@ def test_the_text_has_a_line_for_each_style(call, weights):
 @pytest.mark.parametrize(
     ("flags", "says"),
     [
+        (
+            ("--weights", "pfnn-release"),
+            "pfnn-release has gaits and no styles; expected a folder of trained weights or release",
+        ),
         (("--seconds", "1"), "--seconds is 1; expected 4 to 86400"),
         (("--seconds", "nan"), "--seconds is nan; expected 4 to 86400"),
         (("--speed", "0"), "--speed is 0; expected above 0 and at most 10 m/s"),

@@ -5,10 +5,11 @@ import json
 import numpy as np
 import onnxruntime
 import pytest
+import torch
 
-from stylephase.cli import app
+from stylephase.cli import app, export
 from stylephase.evaluation.bench.frames import made_bundle
-from stylephase.models.bundle import build_network, load_bundle, save_bundle
+from stylephase.models.bundle import Start, build_network, load_bundle, save_bundle
 from stylephase.models.generator import GeneratorSettings
 from stylephase.models.lpn import NetworkSettings
 
@@ -55,6 +56,23 @@ def test_weights_to_run_come_with_a_card_and_are_refused_a_second_time(tmp_path,
     assert sizes[0] < 0.6 * sizes[1]
     status, _, err = run(capsys, *words)
     assert status == 2 and "holds weights already" in err
+
+
+def test_starts_are_written_beside_the_weights_or_refused_in_one_line(tmp_path, capsys, monkeypatch):
+    """Starts themselves are tested where they are made."""
+    made = made_bundle(SMALL)
+    save_bundle(tmp_path, made)
+    status, _, err = run(capsys, "--weights", str(tmp_path), "--starts")
+    assert status == 2 and "do not say which phases" in err
+    made.about["phases"] = "adaptive"
+    save_bundle(tmp_path, made)
+    status, _, err = run(capsys, "--weights", str(tmp_path), "--starts")
+    assert status == 2 and "none" in err and err.count("\n") == 1
+    start = Start(torch.zeros(made.layout.inputs), torch.zeros(made.layout.gate_inputs))
+    monkeypatch.setattr(export, "_walked", lambda bundle: {"Neutral": start})
+    status, out, _ = run(capsys, "--weights", str(tmp_path), "--starts", "--json")
+    assert status == 0 and json.loads(out)["styles"] == 1 and list(load_bundle(tmp_path).starts) == ["Neutral"]
+    assert run(capsys, "--weights", "release", "--starts")[0] == 2
 
 
 def test_what_to_write_must_be_named_once(tmp_path, capsys):

@@ -103,7 +103,7 @@ class TestRollout:
         plans = []
 
         def note(plan, wanted):
-            plans.append(plan)
+            plans.append(plan.plan)
             raise KeyboardInterrupt
 
         monkeypatch.setattr(rollout, "at_pace", note)
@@ -114,6 +114,19 @@ class TestRollout:
         np.testing.assert_array_equal(follow.points, [[0, 0], [-3, 0]])
         assert (steady.speeds > 0).all() and follow.speeds == steady.speeds
         assert [path.name for path in tmp_path.iterdir()] == ["way.txt"]
+
+    def test_the_way_is_told_beside_what_was_asked_for(self, roll, tmp_path):
+        """Untrained, it goes anywhere; without a wish for a way nothing is told of it."""
+        (tmp_path / "way.txt").write_text("0 0\n0 30\n")
+        asked = {"strafe": ("90", "° aside (asked: 90°)"), "turn": ("-45", "°/s (asked: -45°/s)")}
+        asked |= {"path": (tmp_path / "way.txt", " m off the path, whose end was not reached")}
+        for name, (value, says) in asked.items():
+            status, out, _ = roll(seconds="2.5", **{name: value})
+            assert status == 0 and says in out and out.count("\n") == 1
+        found = told(roll("--json", seconds="2.5", strafe="90"))
+        assert found["asked_way"] == {"strafe": 90.0, "turn": 0.0} and found["way"]["off"] is None
+        assert np.isfinite([found["way"]["strafe"], found["way"]["turn"]]).all()
+        assert "aside" not in roll()[1]
 
     def test_a_movie_shows_the_clip(self, roll, tmp_path, monkeypatch):
         """Drawing is tested where it is done; here, what is handed to it."""

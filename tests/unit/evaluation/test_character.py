@@ -9,7 +9,9 @@ import torch
 
 from stylephase.evaluation.character import (
     SUDDEN,
+    after_standing,
     arms_of,
+    changed_speeds,
     costs,
     crowd,
     dealt_anew,
@@ -21,11 +23,13 @@ from stylephase.evaluation.character import (
     nearest_styles,
     reached_speeds,
     ring,
+    trajectory_blend,
     ways_of_finishing,
 )
 from stylephase.evaluation.style import StyleSpace
 from stylephase.features.layout import INPUT_SAMPLES
 from stylephase.runtime import calibration
+from stylephase.runtime.controller import ControllerSettings
 from stylephase.runtime.finish import finish
 from stylephase.runtime.plans import OnPath, Steady
 from stylephase.runtime.player import Player
@@ -155,3 +159,21 @@ def test_costs_are_told_of_each_part():
     found = costs(bundle, bundle.code("Plain"), tiny.start([0]), fast, rounds=2, each=2)
     assert set(found) == {"frame", "finishing", "network", "fast"} and min(found.values()) >= 0
     assert found["fast"] < found["network"] < found["frame"]
+
+
+def test_the_path_to_come_is_blended_and_without_the_wish_nobody_turns():
+    bundle, start = tiny.bundle(network=tiny.Obedient()), tiny.start([0, 60])
+    found = trajectory_blend(bundle, tiny.codes(2), start, np.ones(2), seconds=4.0)
+    np.testing.assert_allclose(found.network, 0.25, atol=1e-6)
+    assert found.blended and 0 < found.user[0] < found.user[-1] < 0.75
+    assert found.turned.max() < 10 and found.unheard.min() > 80
+    for alone in (ControllerSettings(path_share=0.0), ControllerSettings(path_share=1.0)):
+        assert not trajectory_blend(bundle, tiny.codes(2), start, np.ones(2), settings=alone, seconds=1.5).blended
+
+
+def test_who_stands_first_and_who_changes_style_is_measured_at_the_end():
+    bundle, start, wanted = tiny.bundle(network=tiny.Obedient()), tiny.start([0, 60]), np.array([1.0, 1.3])
+    waiting = after_standing(Steady(np.ones(2)), 1.0)
+    assert not waiting(59, start).velocity.any() and (waiting(60, start).velocity[:, 1] == 1).all()
+    found = changed_speeds(bundle, tiny.codes(2), start, 1.3 * wanted, wanted, before=2.0, seconds=14.0)
+    np.testing.assert_allclose(found, wanted[::-1], rtol=0.1)

@@ -13,7 +13,7 @@ from safetensors.torch import load_file, save_file
 from stylephase import files
 from stylephase.errors import InputError
 from stylephase.features.normaliser import Normaliser
-from stylephase.models.bundle import Bundle, description, is_bundle, load_bundle, save_bundle
+from stylephase.models.bundle import Bundle, Start, description, is_bundle, load_bundle, save_bundle, save_starts
 from stylephase.models.generator import GeneratorSettings
 
 
@@ -191,3 +191,27 @@ def test_a_full_disk_is_one_line_and_leaves_no_model_that_is_half_new(bundle, tm
     with pytest.raises(InputError, match=r"^\S+: cannot write: No space left on device$"):
         save_bundle(tmp_path, bundle)
     assert not is_bundle(tmp_path) and [path for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def with_starts(bundle: Bundle) -> Bundle:
+    layout = bundle.layout
+    return replace(bundle, starts={"Very old": Start(torch.randn(layout.inputs), torch.randn(layout.gate_inputs))})
+
+
+def test_starts_come_back_and_go_with_weights_that_have_none(bundle, tmp_path):
+    kept = with_starts(bundle)
+    save_bundle(tmp_path, kept, to_run=True)
+    found = load_bundle(tmp_path).starts
+    assert list(found) == ["Very old"]
+    for part in ("x", "p"):
+        assert torch.equal(getattr(found["Very old"], part), getattr(kept.starts["Very old"], part))
+    save_bundle(tmp_path, bundle)
+    assert load_bundle(tmp_path).starts == {}
+
+
+@pytest.mark.parametrize("wrong", [torch.zeros(3), torch.tensor([float("nan")])])
+def test_starts_that_do_not_fit_are_refused(bundle, tmp_path, wrong):
+    kept = with_starts(bundle).starts["Very old"]
+    save_bundle(tmp_path, bundle)
+    save_starts(tmp_path, {"Very old": replace(kept, p=wrong.expand(3))})
+    assert refusal(tmp_path).startswith(f"{tmp_path / 'starts.safetensors'}: does not fit model.json: p.Very old")

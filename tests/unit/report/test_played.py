@@ -4,11 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import tiny_walker as tiny
 
-from stylephase.evaluation.character import Arms, Looks
+from stylephase.evaluation.character import Arms, Blend, Looks
 from stylephase.evaluation.robustness import Endurance
-from stylephase.report.played import Found, effect, looks_table, record, triples
+from stylephase.models.bundle import save_bundle
+from stylephase.report import played
+from stylephase.report.played import (
+    Crowd,
+    Found,
+    FromOneClip,
+    crowd_of,
+    drift,
+    effect,
+    looks_table,
+    record,
+    triples,
+    with_style_network,
+)
 from stylephase.report.recorder import Recorder
+from stylephase.runtime.keyboard import KeySettings
+from stylephase.runtime.trajectory import Steering
 
 ROWS = 8
 
@@ -41,10 +57,12 @@ def good() -> Found:
         led=1.02 * speeds,
         endured=held,
         alone=held,
+        one_clip=FromOneClip(held, "lpn-film"),
+        blend=Blend(np.array([0.2, 0.7]), np.full(2, 0.25), np.full(ROWS, 5.0), np.full(ROWS, 88.0)),
         recognised=0.9,
-        walkers=ROWS,
-        one_clip=True,
+        crowd=Crowd([], right=95, dealt=1, count=100),
         released=False,
+        seconds=60.0,
     )
 
 
@@ -61,6 +79,12 @@ def test_what_is_good_is_reproduced():
 @pytest.mark.parametrize(
     ("claim", "change"),
     [
+        ("m22-demo-trajectory-blend", lambda f: {"blend": replace(f.blend, network=np.zeros(2))}),
+        ("m22-demo-trajectory-blend", lambda f: {"blend": replace(f.blend, user=np.array([0.7, 0.2]))}),
+        ("m22-demo-trajectory-blend", lambda f: {"blend": replace(f.blend, turned=f.blend.unheard)}),
+        ("m22-fig1-many-styles", lambda f: {"crowd": replace(f.crowd, right=60)}),
+        ("m22-fig1-many-styles", lambda f: {"crowd": replace(f.crowd, dealt=90)}),
+        ("m22-arbitrary-length", lambda f: {"one_clip": FromOneClip([replace(f.alone[0], broken="x")] * 8, "lpn")}),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"finished": looks(0.15, 35)}}),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"scrambled": looks(0.001, 35)}}),
         ("m22-demo-arm-ik", lambda f: {"more_wrong": (0.0, -0.01, 0.01)}),
@@ -83,9 +107,51 @@ def test_what_is_not_differs(claim, change):
 
 
 def test_without_a_style_network_one_clip_cannot_be_tested():
-    found = verdicts(replace(good(), one_clip=False))
+    found = verdicts(replace(good(), one_clip=None))
     assert found["m22-arbitrary-length"] == "not testable here"
     assert found["m22-demo-precomputed-code"] == "reproduced on other data"
+
+
+def test_how_long_is_told_with_the_claim():
+    recorder = Recorder("09_play", dataset="bandai-namco", preset="cpu", params={})
+    record(recorder, good())
+    (endured,) = [result for result in recorder.record.results if result.id == "ours-play-endurance"]
+    assert endured.note == "for 60 s each; none broke"
+
+
+def test_who_walks_beside_the_way_with_the_right_heading_is_found_out(monkeypatch):
+    """It faces ahead as it is asked to, and goes half a metre a second aside."""
+    bundle, start = tiny.bundle(network=tiny.Obedient()), tiny.start([0])
+    how = (bundle, tiny.codes(1), start, np.ones(1), KeySettings())
+    straight = drift(*how, seconds=3.0)
+    keys = played.steer_by_keys
+
+    def aside(*given) -> Steering:
+        wish = keys(*given)
+        return Steering(wish.velocity + [[1.0, 0.0]], wish.facing)
+
+    monkeypatch.setattr(played, "steer_by_keys", aside)
+    gone = drift(*how, seconds=3.0)
+    assert gone.degrees[0] < 1 and straight.degrees[0] < 1
+    assert gone.metres[0] > 0.8 and straight.metres[0] < 0.05
+
+
+def test_a_crowd_has_a_second_of_each_and_tells_who_is_recognised(monkeypatch):
+    """Untrained styles differ by how they lean: own codes are recognised, dealt ones are not."""
+    monkeypatch.setattr(played, "_CROWD_SECONDS", 6.5)
+    bundle = tiny.bundle(network=tiny.Obedient())
+    found = crowd_of(bundle, tiny.start([0] * len(bundle.styles)), gains=np.ones(len(bundle.styles)))
+    assert [len(motion) for motion in found.motions] == [60] * found.count and found.count == len(bundle.styles)
+    assert (found.right, found.dealt) == (found.count, 0)
+
+
+def test_a_run_counts_only_with_its_style_network(tmp_path):
+    assert with_style_network(tmp_path, "made-cpu-lpn-film") is None
+    save_bundle(tmp_path / "made-cpu-lpn-film-seed0", tiny.bundle(), to_run=True)
+    assert with_style_network(tmp_path, "made-cpu-lpn-film") is None
+    save_bundle(tmp_path / "made-cpu-lpn-film-seed1", tiny.bundle())
+    found = with_style_network(tmp_path, "made-cpu-lpn-film")
+    assert found is not None and found.makes_codes
 
 
 def test_a_table_has_a_row_for_each_way():

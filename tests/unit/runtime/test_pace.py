@@ -48,8 +48,8 @@ def test_a_character_that_goes_at_a_share_of_the_wish_is_led_to_it(share):
 
 
 def test_what_cannot_be_reached_turns_the_wish_up_and_down_to_a_bound_only():
-    assert led(3.0, lambda wish: 1.0)[0] == pytest.approx(1.6)
-    assert led(0.2, lambda wish: 1.0)[0] == pytest.approx(0.6)
+    assert led(3.0, lambda wish: 1.0)[0] == pytest.approx(1.6 + 3.0)
+    assert led(0.2, lambda wish: 1.0)[0] == pytest.approx(0.6 - 3.0)
 
 
 def test_who_runs_on_though_a_walk_is_wished_for_is_pulled_back_until_it_walks():
@@ -77,6 +77,27 @@ def test_who_goes_the_wrong_way_is_pushed():
     assert alone[-1].velocity[0, 1] == pytest.approx(1.0)
 
 
+def test_who_shuffles_on_is_pushed_the_more_the_longer_it_shuffles():
+    """It goes at a third of the speed until much more is wished than a lead by a factor gives."""
+    shuffling = {"so": True}
+
+    def speed(wish: float) -> float:
+        shuffling["so"] &= wish < 3.0
+        return 0.4 if shuffling["so"] else wish
+
+    assert led(1.2, speed, gain=1.0)[1] == pytest.approx(1.2, rel=0.05) and not shuffling["so"]
+
+
+def test_who_trots_on_though_not_much_too_fast_is_held_back_until_it_walks():
+    trotting = {"so": True}
+
+    def speed(wish: float) -> float:
+        trotting["so"] &= wish > 0.2
+        return 1.2 if trotting["so"] else wish
+
+    assert led(1.0, speed)[1] == pytest.approx(1.0, rel=0.1) and not trotting["so"]
+
+
 def test_who_should_stand_is_led_back_to_where_it_came_to_a_stop():
     pace, here = Pace(1), np.array([[3.0, 4.0]])
     for _ in range(90):
@@ -97,7 +118,7 @@ def test_a_jump_or_nonsense_begins_anew_for_one_alone():
             assert (pace.factors == 1).all()
     assert (pace.factors > 1.4).all()
     place = place + np.array([[40.0, 0.0], [0.0, 0.0]])
-    assert np.abs(pace.lead(wish, wanted, Somewhere(place)).velocity).max() <= 4
+    assert np.abs(pace.lead(wish, wanted, Somewhere(place)).velocity[0]).max() <= 4
     assert pace.factors[0] == 1.0 and pace.factors[1] > 1.4
     found = pace.lead(wish, wanted, Somewhere(place * [[np.nan, 1], [1, 1]]))
     assert np.isfinite(found.velocity).all() and np.isfinite(pace.factors).all()

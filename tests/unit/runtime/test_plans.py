@@ -81,6 +81,16 @@ class TestFollowPath:
         way = walk(FollowPath(self.LINE, SPEEDS), state, 8.0)
         np.testing.assert_allclose(way[-1], [[0, 8], [0, 16]], atol=1e-6)
 
+    def test_it_stops_at_its_end_where_it_should_and_tells_when_it_came_there(self, state):
+        plan = FollowPath(self.LINE, SPEEDS, stops=True)
+        way = walk(plan, state, 8.0)
+        np.testing.assert_allclose(way[-1], [[0, 4], [0, 4]], atol=0.31)
+        assert 3.5 * 60 < plan.arrived[0] < 4 * 60 and plan.arrived[1] == pytest.approx(plan.arrived[0] / 2, abs=2)
+        still = plan(500, at(state, (0.0, 4.0), (0.5, 4.1)))
+        np.testing.assert_allclose(still.velocity, 0.0)
+        np.testing.assert_allclose(still.facing, 0.0, atol=1e-12)
+        assert plan.off == pytest.approx([0.0, 0.5])
+
     def test_a_corner_is_taken(self, state):
         corner = np.array([[0.0, 0.0], [0.0, 3.0], [3.0, 3.0]])
         way = walk(FollowPath(corner, SPEEDS), state, 6.0)

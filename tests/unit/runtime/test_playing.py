@@ -282,6 +282,35 @@ class TestPlayer:
         assert player.styles == tiny.STYLES[:3] and player.path is None
         np.testing.assert_allclose(player.weights, 1 / 3)
 
+    @pytest.mark.parametrize(
+        ("name", "value", "says"),
+        [
+            ("mix", "left", "a point of the triangle should be of numbers, not 'left'"),
+            ("mix", None, "two finite numbers"),
+            ("mix", [[0, 1], [2]], "should be of numbers"),
+            ("follow", "0 0 1 1", "a path should be of numbers, not '0 0 1 1'"),
+            ("follow", {"x": 1}, "a path should be of numbers"),
+            ("follow", [1.0, 2.0], "points of two finite numbers each"),
+            ("hold", 5, "keys should be names of keys, not 5"),
+            ("hold", [1, None], "keys should be names of keys"),
+            ("choose", "Old", "three names of styles, not 'Old'"),
+            ("choose", [1, 2, 3], "three names of styles"),
+            ("choose", None, "three names of styles"),
+        ],
+    )
+    def test_words_where_numbers_belong_are_refused_in_one_line(self, name, value, says):
+        player = self.player()
+        with pytest.raises(InputError, match=says) as refused:
+            getattr(player, name)(value)
+        assert "\n" not in str(refused.value) and player.held == frozenset() and player.path is None
+
+    def test_a_speed_is_a_number(self):
+        player = self.player()
+        for odd in ("fast", [1, 2], {}):
+            with pytest.raises(InputError, match="a speed should be"):
+                player.speed = odd
+        assert player.speed == 1.0
+
     def test_a_character_that_bursts_starts_anew(self, monkeypatch):
         player = self.player()
         step, burst = player.walker.step, {"at": 5}

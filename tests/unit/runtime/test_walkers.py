@@ -1,21 +1,26 @@
 """Every network of both papers is driven alike: by a player, and by a drive."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import tiny_walker as tiny
+import torch
 
 from stylephase.errors import InputError
+from stylephase.models.bundle import Start
 from stylephase.models.released import RELEASE
 from stylephase.models.released_pfnn import PFNN_RELEASE
 from stylephase.models.zoo import MODELS
 from stylephase.runtime import calibration
+from stylephase.runtime.controller import input_of
 from stylephase.runtime.graph import FastNetwork, to_onnx
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.player import Player
 from stylephase.runtime.rollout import to_clip
 from stylephase.runtime.speeds import SpeedCurve
 from stylephase.runtime.viewer.frames import frame_layout, frame_numbers
-from stylephase.runtime.walkers import drive, load_any, walker_of
+from stylephase.runtime.walkers import NetworkWalker, drive, load_any, walker_of
 
 STRAIGHT = SpeedCurve(np.arange(0.25, 12.0, 0.25), np.arange(0.25, 12.0, 0.25))
 
@@ -49,6 +54,24 @@ def test_every_model_of_the_zoo_steps_under_a_player_and_in_a_drive(model):
     assert run.positions.shape == (4, 2, len(bundle.body.joints), 3)
     with pytest.raises(InputError, match="no style"):
         walker.code({"Nobody": 1.0})
+
+
+def test_a_walk_begins_where_the_network_walked_to_of_a_mixture_where_its_main_style_did():
+    """Without such a start, and with a speed, it begins after some seconds from the mean frame of the data."""
+    bundle, made = tiny.bundle(), tiny.take().vectors
+    starts = {
+        style: Start(*(torch.from_numpy(part[row]).float() for part in (made.x, made.p)))
+        for style, row in zip(tiny.STYLES[:2], (40, 90), strict=True)
+    }
+    walker, without = NetworkWalker(replace(bundle, starts=starts)), NetworkWalker(bundle)
+    first, second, third = tiny.STYLES[:3]
+    codes = torch.stack([walker.code(m) for m in ({second: 1.0}, {first: 3.0, second: 1.0}, {third: 1.0})])
+    found, warm = walker.start(codes), without.start(codes)
+    np.testing.assert_allclose(input_of(found)[:2], made.x[[90, 40]], atol=1e-4)
+    np.testing.assert_allclose(input_of(found)[2], input_of(warm)[2], atol=1e-9)
+    np.testing.assert_allclose(input_of(walker.start(codes, 1.0)), input_of(warm), atol=1e-9)
+    player = Player(walker.bundle, (second, second, second), curves={second: STRAIGHT})
+    np.testing.assert_allclose(input_of(player.state)[0], made.x[90], atol=1e-4)
 
 
 @pytest.mark.parametrize("quantised", [False, True])

@@ -76,7 +76,7 @@ class Viewer(anywidget.AnyWidget):
             "stop": lambda _: self.stop(),
             "keys": self.player.hold,
             "mix": self.player.mix,
-            "speed": lambda speed: setattr(self.player, "speed", float(speed)),
+            "speed": lambda speed: setattr(self.player, "speed", speed),
             "styles": self._choose,
             "path": self.player.follow,
             "reset": lambda _: self.player.reset(),
