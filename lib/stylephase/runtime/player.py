@@ -27,8 +27,13 @@ BLEND = 0.1
 
 
 def _numbers(value: object, what: str) -> Float[ndarray, "..."]:
-    """Numbers that came from outside; raises InputError for what holds none."""
+    """Numbers that came from outside; raises InputError for what holds none.
+
+    None would become a number that is none: JSON's null is no such number but a gap.
+    """
     try:
+        if any(part is None for part in np.asarray(value, dtype=object).flat):
+            raise TypeError("a gap where a number belongs")
         return np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} should be of numbers, not {_told(value)}") from error

@@ -286,7 +286,9 @@ class TestPlayer:
         ("name", "value", "says"),
         [
             ("mix", "left", "a point of the triangle should be of numbers, not 'left'"),
-            ("mix", None, "two finite numbers"),
+            ("mix", None, "a point of the triangle should be of numbers, not None"),
+            ("mix", [0.1, None], "should be of numbers"),
+            ("follow", [[0.0, 1.0], [None, 2.0]], "a path should be of numbers"),
             ("mix", [[0, 1], [2]], "should be of numbers"),
             ("follow", "0 0 1 1", "a path should be of numbers, not '0 0 1 1'"),
             ("follow", {"x": 1}, "a path should be of numbers"),
@@ -306,7 +308,7 @@ class TestPlayer:
 
     def test_a_speed_is_a_number(self):
         player = self.player()
-        for odd in ("fast", [1, 2], {}):
+        for odd in ("fast", [1, 2], {}, None):
             with pytest.raises(InputError, match="a speed should be"):
                 player.speed = odd
         assert player.speed == 1.0
