@@ -12,6 +12,8 @@ from stylephase.runtime.trajectory import Steering, Trajectory, on_ground
 
 # No person runs faster (m/s); a wish, which is a speed times a gain, may be so much.
 FASTEST, MOST_WISH = 10.0, 25.0
+# Nobody walks so far in a frame (m): that is a jump to another place.
+JUMP = 1.0
 
 
 def limited(steering: Steering, state: OnPath) -> Steering:
