@@ -203,7 +203,14 @@ class TestLimits:
         np.testing.assert_allclose(found.velocity, [[0, 0], [0.6 * MOST_WISH, 0.8 * MOST_WISH], [0, 0]])
         np.testing.assert_allclose(found.facing, [0.7, 0.1, 0.7], atol=1e-9)
 
-    @pytest.mark.parametrize("wish", [NAN, INF, -INF, 100.0, 1e30])
+    @pytest.mark.parametrize("huge", [1e20, 1e200, 1.7e308])
+    def test_a_huge_wish_keeps_its_direction_and_has_the_length_of_the_most(self, huge):
+        wish = Steering(np.array([[0.6 * huge, -0.8 * huge], [0.0, huge]]), np.zeros(2))
+        with np.errstate(all="raise"):
+            found = limited(wish, tiny.start([0, 0]))
+        np.testing.assert_allclose(found.velocity, MOST_WISH * np.array([[0.6, -0.8], [0.0, 1.0]]), atol=1e-9)
+
+    @pytest.mark.parametrize("wish", [NAN, INF, -INF, 100.0, 1e30, 1e200])
     def test_an_absurd_wish_for_a_second_leaves_the_character_finite(self, wish):
         plan = within_limits(lambda frame, state: Steering(np.full((1, 2), wish), np.full(1, wish)))
         run = roll_out(tiny.bundle(network=tiny.Obedient()), tiny.codes(1), tiny.start([0]), 60, plan)
