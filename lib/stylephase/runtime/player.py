@@ -100,7 +100,8 @@ class Player:
         return barycentric(self.point)
 
     def hold(self, keys: Any) -> None:
-        """The names of the keys that are held now; a key that moves ends the following of a path."""
+        """The names of the keys that are held now, or the name of one; a key ends the following of a path."""
+        keys = (keys,) if isinstance(keys, str) else keys
         if not isinstance(keys, Collection) or not all(isinstance(key, str) for key in keys):
             raise InputError(f"keys should be names of keys, not {_told(keys)}")
         self.held = frozenset(key.lower() for key in keys) & KEYS

@@ -242,6 +242,15 @@ class TestPlayer:
                 player.step()
             assert least <= np.linalg.norm(player.state.path.root.positions - before) <= most
 
+    @pytest.mark.parametrize(
+        ("keys", "held"), [("shift", {"shift"}), ("W", {"w"}), ("", set()), (["w", "q"], {"w", "q"})]
+    )
+    def test_a_word_is_the_name_of_one_key(self, keys, held):
+        """Not its letters: `s` of `shift` would walk backward."""
+        player = self.player()
+        player.hold(keys)
+        assert player.held == held
+
     def test_a_new_mixture_comes_smoothly_and_whole(self):
         player = self.player()
         before = player.code
