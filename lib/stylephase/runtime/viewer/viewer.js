@@ -349,7 +349,11 @@ function render({ model, el }) {
     root.focus();
   });
   const chosen = () => corners.forEach((select, k) => { select.value = model.get("chosen")[k]; });
-  const problem = () => { status.textContent = model.get("problem"); };
+  // What was refused is not chosen either.
+  const problem = () => {
+    status.textContent = model.get("problem");
+    if (model.get("problem")) chosen();
+  };
   model.on("msg:custom", heard);
   model.on("change:chosen", chosen);
   model.on("change:problem", problem);
