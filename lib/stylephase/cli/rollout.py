@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
@@ -41,7 +41,7 @@ _SHORTEST, _LONGEST = 0.1, 3600.0
 # Some styles keep to a shuffle or a run in which they began: whose speed is off begins at that speed and is wished more
 # of it. A style that was learned from little may run where its standing foot leads it: who is off still is tried
 # without. The nearest walk counts.
-_PUSH = 1.5
+_PUSH, _TRIES = 1.5, 3
 _UNGROUNDED = Finishing(grounded=False)
 
 
@@ -75,8 +75,14 @@ def rollout(
             return Steady(gain, np.radians(turn), np.radians(strafe))
         return FollowPath(points, gain, stops=True)
 
-    with tqdm(desc=out.name, unit="frame", disable=None) as bar:
-        drive_by = partial(_walk, weights, style, out.stem, speed, plan, frames, tick=bar.update)
+    with tqdm(desc=out.name, total=frames, unit="frame", disable=None) as bar:
+        trial = count(1)
+
+        def drive_by(finishing: Finishing, push: float | None = None) -> _Walk:
+            bar.reset(frames)
+            bar.set_description_str(f"{out.name}, try {next(trial)} of at most {_TRIES - raw}")
+            return _walk(weights, style, out.stem, speed, plan, frames, finishing, bar.update, push)
+
         tries = [drive_by(RAW if raw else Finishing())]
         if _off(tries[0].speed, speed) > _NEAR:
             tries.append(drive_by(RAW if raw else Finishing(), push=_PUSH))
