@@ -23,7 +23,7 @@ from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
 from stylephase.runtime.calibration import speed_of
-from stylephase.runtime.export import write_motion
+from stylephase.runtime.export import FORMATS, write_motion
 from stylephase.runtime.finishing import RAW, Finishing
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
@@ -32,7 +32,9 @@ from stylephase.runtime.speeds import mixed_gain, mixed_speed
 from stylephase.runtime.walkers import drive, load_any, walker_of
 from stylephase.runtime.ways import Way, watched, way_of
 
-FORMATS = (".bvh", ".npz", ".mp4", ".gif")
+# The movies of report.render, which is only loaded to make one.
+MOVIES = (".mp4", ".gif")
+_WRITTEN = (*FORMATS, *MOVIES)
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
 # Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near.
@@ -48,7 +50,7 @@ _UNGROUNDED = Finishing(grounded=False)
 def rollout(
     weights: Annotated[str, typer.Option(help="Folder of weights, `release` for the authors' own, or `pfnn-release`.")],
     style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,...; of `pfnn-release` a gait.")],
-    out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(FORMATS)}.")],
+    out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(_WRITTEN)}.")],
     seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 10.0,
     path: Annotated[
         Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")
@@ -176,8 +178,8 @@ def _licence(loaded: Bundle | ReleasedPfnn) -> str | None:
 
 
 def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float], path: Path | None) -> None:
-    if out.suffix not in FORMATS:
-        raise InputError(f"expected a name that ends in {', '.join(FORMATS)}", out)
+    if out.suffix not in _WRITTEN:
+        raise InputError(f"expected a name that ends in {', '.join(_WRITTEN)}", out)
     if not _SHORTEST <= seconds <= _LONGEST:
         raise InputError(f"--seconds is {seconds:g}; expected {_SHORTEST:g} to {_LONGEST:g}")
     if not 0 < speed <= _FASTEST:
@@ -190,7 +192,7 @@ def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float]
 
 def _write(out: Path, clip: Clip, contacts: ndarray, label: str) -> None:
     """Write the motion; pyvista is only loaded for movies."""
-    if out.suffix in (".bvh", ".npz"):
+    if out.suffix in FORMATS:
         write_motion(out, clip, contacts)
         return
     from stylephase.report.render import Motion, movie

@@ -180,6 +180,12 @@ class TestRollout:
         assert refused(roll(**option)) == says
         assert list(tmp_path.iterdir()) == []
 
+    def test_the_movies_are_those_that_can_be_made(self):
+        """The command does not load pyvista to know them."""
+        from stylephase.report.render import movies
+
+        assert tuple(movies._WRITERS) == rollout.MOVIES
+
     @pytest.mark.parametrize("name", ["walk.fbx", "walk", "walk.BVHX"])
     def test_another_suffix_is_refused_before_anything_is_done(self, roll, tmp_path, name):
         line = refused(roll(out=name, weights="nowhere"))
