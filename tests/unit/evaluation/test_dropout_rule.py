@@ -57,10 +57,14 @@ def test_a_choice_for_each_style_helps_where_styles_differ_and_not_where_takes_d
     by_style = 5 + 2.0 * (np.arange(3) != best[:, None])[..., None] + rng.normal(0, 0.1, (20, 3, 4))
     own, one = chosen_by_style(by_style)
     assert own.mean() == pytest.approx(5, abs=0.1) and one.mean() > own.mean() + 0.8
-    noise = 5 + rng.normal(0, 1, (20, 3, 4))
-    own, one = chosen_by_style(noise)
     # The best of each by hindsight is much lower, and tells of noise alone.
-    assert noise.mean(axis=2).min(axis=1).mean() < 4.8 < own.mean() and abs(own.mean() - one.mean()) < 0.5
+    gains, hindsight = [], []
+    for _ in range(20):
+        noise = 5 + rng.normal(0, 1, (20, 3, 4))
+        own, one = chosen_by_style(noise)
+        gains.append(one.mean() - own.mean())
+        hindsight.append(one.mean() - noise.mean(axis=2).min(axis=1).mean())
+    assert np.mean(gains) < 0.1 and np.mean(hindsight) > 0.3
 
 
 def test_a_style_of_one_take_has_nothing_to_choose_by():
@@ -72,4 +76,4 @@ def test_a_style_of_one_take_has_nothing_to_choose_by():
 
 def test_what_is_chosen_elsewhere_is_not_what_is_best_here():
     errors = np.array([[1.0, 5.0], [4.0, 2.0], [4.0, 2.0]])
-    np.testing.assert_array_equal(chosen_elsewhere(errors), [5.0, 2.0, 2.0])
+    np.testing.assert_array_equal(chosen_elsewhere(errors), [5.0, 4.0, 4.0])
