@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
@@ -23,7 +23,7 @@ from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.runtime import controller
 from stylephase.runtime.calibration import speed_of
-from stylephase.runtime.export import write_motion
+from stylephase.runtime.export import FORMATS, write_motion
 from stylephase.runtime.finishing import RAW, Finishing
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
@@ -32,7 +32,9 @@ from stylephase.runtime.speeds import mixed_gain, mixed_speed
 from stylephase.runtime.walkers import drive, load_any, walker_of
 from stylephase.runtime.ways import Way, watched, way_of
 
-FORMATS = (".bvh", ".npz", ".mp4", ".gif")
+# The movies of report.render, which is only loaded to make one.
+MOVIES = (".mp4", ".gif")
+_WRITTEN = (*FORMATS, *MOVIES)
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
 # Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near.
@@ -41,14 +43,14 @@ _SHORTEST, _LONGEST = 0.1, 3600.0
 # Some styles keep to a shuffle or a run in which they began: whose speed is off begins at that speed and is wished more
 # of it. A style that was learned from little may run where its standing foot leads it: who is off still is tried
 # without. The nearest walk counts.
-_PUSH = 1.5
+_PUSH, _TRIES = 1.5, 3
 _UNGROUNDED = Finishing(grounded=False)
 
 
 def rollout(
     weights: Annotated[str, typer.Option(help="Folder of weights, `release` for the authors' own, or `pfnn-release`.")],
     style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,...; of `pfnn-release` a gait.")],
-    out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(FORMATS)}.")],
+    out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(_WRITTEN)}.")],
     seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 10.0,
     path: Annotated[
         Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")
@@ -75,8 +77,14 @@ def rollout(
             return Steady(gain, np.radians(turn), np.radians(strafe))
         return FollowPath(points, gain, stops=True)
 
-    with tqdm(desc=out.name, unit="frame", disable=None) as bar:
-        drive_by = partial(_walk, weights, style, out.stem, speed, plan, frames, tick=bar.update)
+    with tqdm(desc=out.name, total=frames, unit="frame", disable=None) as bar:
+        trial = count(1)
+
+        def drive_by(finishing: Finishing, push: float | None = None) -> _Walk:
+            bar.reset(frames)
+            bar.set_description_str(f"{out.name}, try {next(trial)} of at most {_TRIES - raw}")
+            return _walk(weights, style, out.stem, speed, plan, frames, finishing, bar.update, push)
+
         tries = [drive_by(RAW if raw else Finishing())]
         if _off(tries[0].speed, speed) > _NEAR:
             tries.append(drive_by(RAW if raw else Finishing(), push=_PUSH))
@@ -170,8 +178,8 @@ def _licence(loaded: Bundle | ReleasedPfnn) -> str | None:
 
 
 def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float], path: Path | None) -> None:
-    if out.suffix not in FORMATS:
-        raise InputError(f"expected a name that ends in {', '.join(FORMATS)}", out)
+    if out.suffix not in _WRITTEN:
+        raise InputError(f"expected a name that ends in {', '.join(_WRITTEN)}", out)
     if not _SHORTEST <= seconds <= _LONGEST:
         raise InputError(f"--seconds is {seconds:g}; expected {_SHORTEST:g} to {_LONGEST:g}")
     if not 0 < speed <= _FASTEST:
@@ -184,7 +192,7 @@ def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float]
 
 def _write(out: Path, clip: Clip, contacts: ndarray, label: str) -> None:
     """Write the motion; pyvista is only loaded for movies."""
-    if out.suffix in (".bvh", ".npz"):
+    if out.suffix in FORMATS:
         write_motion(out, clip, contacts)
         return
     from stylephase.report.render import Motion, movie

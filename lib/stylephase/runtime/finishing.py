@@ -9,8 +9,9 @@ from numpy import ndarray
 from stylephase.features.body import Body
 from stylephase.runtime.controller import State
 from stylephase.runtime.finish import finish_frame
-from stylephase.runtime.foot_lock import Feet, LockSettings
+from stylephase.runtime.foot_lock import Feet, LockSettings, free_feet
 from stylephase.runtime.grounding import ground
+from stylephase.runtime.limits import JUMP
 from stylephase.runtime.rig import rig_of
 
 
@@ -31,6 +32,19 @@ class Finishing:
 
 # What the network gives, as it is.
 RAW = Finishing(grounded=False, finished=False)
+
+
+def landed(feet: Feet, predicted: Float[ndarray, "characters 2 2"]) -> Feet:
+    """The same feet, but those whose prediction jumps, as in `teleported`, at rest where they are predicted now.
+
+    A jump is no movement: a lock would take it for a speed, and carry the foot on.
+    """
+    jumped = ~(np.linalg.norm(predicted - feet.predicted, axis=-1) < JUMP)
+    there, new = jumped[..., None], free_feet(predicted)
+    places, drift, before, moving = (
+        np.where(there, getattr(new, part), getattr(feet, part)) for part in ("places", "drift", "predicted", "moving")
+    )
+    return Feet(places, drift, feet.held & ~jumped, before, moving)
 
 
 class Finisher:
@@ -59,7 +73,9 @@ class Finisher:
             after, self.slide = ground(self.rig, before, after, self.slide)
         if not self.how.finished:
             return after, after
-        held = finish_frame(self.rig, self.feet, after.positions, after.rotations, after.contacts, self.how.lock)
+        toes = after.positions[:, [leg.tip for leg in self.rig.legs]][..., ::2]
+        feet = None if self.feet is None else landed(self.feet, toes)
+        held = finish_frame(self.rig, feet, after.positions, after.rotations, after.contacts, self.how.lock)
         positions, rotations, self.feet = held
         shown = replace(after, positions=positions, rotations=rotations)
         return (shown if self.how.fed_back else after), shown

@@ -12,6 +12,8 @@ from stylephase.runtime.trajectory import Steering, Trajectory, on_ground
 
 # No person runs faster (m/s); a wish, which is a speed times a gain, may be so much.
 FASTEST, MOST_WISH = 10.0, 25.0
+# Nobody walks so far in a frame (m): that is a jump to another place.
+JUMP = 1.0
 
 
 def limited(steering: Steering, state: OnPath) -> Steering:
@@ -21,8 +23,11 @@ def limited(steering: Steering, state: OnPath) -> Steering:
     facing that is no number is the character's own.
     """
     velocity = np.where(np.isfinite(steering.velocity).all(axis=-1, keepdims=True), steering.velocity, 0.0)
-    length = np.linalg.norm(velocity, axis=-1, keepdims=True)
-    velocity = velocity * np.minimum(1.0, MOST_WISH / np.maximum(length, 1e-9))
+    # Squares of huge numbers are infinite, so the length is told in units of the largest part.
+    largest = np.maximum(np.abs(velocity).max(axis=-1, keepdims=True), 1.0)
+    share = velocity / largest
+    length = np.linalg.norm(share, axis=-1, keepdims=True)
+    velocity = np.where(length > MOST_WISH / largest, share * (MOST_WISH / np.maximum(length, 1e-9)), velocity)
     facing = np.where(np.isfinite(steering.facing), steering.facing, state.path.root.angles)
     return Steering(velocity, facing)
 

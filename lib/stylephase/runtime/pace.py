@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.features.layout import FPS
+from stylephase.runtime.limits import JUMP
 from stylephase.runtime.plans import OnPath, Plan
 from stylephase.runtime.trajectory import Steering, unit_ground
 
@@ -28,8 +29,6 @@ _TOO_FAST, _NO_WALK, _PULL, _PUSH, _SHORT, _HOME = 1.3, 1.3, 1.5, 1.5, int(FPS /
 # missing, or so many times what is too much, and that again for each second that it has been stuck, up to a bound
 # (m/s). That wears off so many times as fast.
 _SLOW, _FAST, _MISSING, _MUCH, _WEARS_OFF, _LOOSENS = 0.8, 1.1, 1.0, 1.5, 4.0, 3.0
-# Nobody walks so far in a frame (m): that is a jump to another place.
-_JUMP = 1.0
 
 
 class Pace:
@@ -82,7 +81,7 @@ class Pace:
 
     def _see(self, places: Float[ndarray, "characters 2"]) -> None:
         if len(self.track):
-            jumped = ~(np.linalg.norm(places - self.track[-1], axis=1) < _JUMP)
+            jumped = ~(np.linalg.norm(places - self.track[-1], axis=1) < JUMP)
             self.factors, self.waited = np.where(jumped, 1.0, self.factors), np.where(jumped, 0.0, self.waited)
             self.stuck = np.where(jumped, 0.0, self.stuck)
             self.track, self.stood = np.where(jumped[:, None], places, self.track), self.stood & ~jumped

@@ -27,8 +27,13 @@ BLEND = 0.1
 
 
 def _numbers(value: object, what: str) -> Float[ndarray, "..."]:
-    """Numbers that came from outside; raises InputError for what holds none."""
+    """Numbers that came from outside; raises InputError for what holds none.
+
+    None would become a number that is none: JSON's null is no such number but a gap.
+    """
     try:
+        if any(part is None for part in np.asarray(value, dtype=object).flat):
+            raise TypeError("a gap where a number belongs")
         return np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} should be of numbers, not {_told(value)}") from error
@@ -63,7 +68,7 @@ class Player:
         fast: Predict | None = None,
     ):
         self.walker, self.key_settings = walker_of(weights, settings, fast), keys or KeySettings()
-        self.styles, self.point = self._three(styles), np.asarray(CORNERS.mean(axis=0))
+        self.styles, self.point = self.three(styles), np.asarray(CORNERS.mean(axis=0))
         self.finisher, self.curves = Finisher(self.walker.body, finishing), dict(curves or {})
         self.code = self._wanted_code()
         self.start = self.walker.start(self.code[None])
@@ -95,7 +100,8 @@ class Player:
         return barycentric(self.point)
 
     def hold(self, keys: Any) -> None:
-        """The names of the keys that are held now; a key that moves ends the following of a path."""
+        """The names of the keys that are held now, or the name of one; a key ends the following of a path."""
+        keys = (keys,) if isinstance(keys, str) else keys
         if not isinstance(keys, Collection) or not all(isinstance(key, str) for key in keys):
             raise InputError(f"keys should be names of keys, not {_told(keys)}")
         self.held = frozenset(key.lower() for key in keys) & KEYS
@@ -113,9 +119,19 @@ class Player:
         """Take on the mixture at once, and not within a quarter of a second."""
         self.code = self._wanted_code()
 
+    def three(self, styles: Any) -> tuple[str, ...]:
+        """Names of three styles as they may be chosen; raises InputError for anything else."""
+        if isinstance(styles, str) or not isinstance(styles, Sequence) or not all(isinstance(s, str) for s in styles):
+            raise InputError(f"the corners of the triangle should be three names of styles, not {_told(styles)}")
+        if len(styles) != 3:
+            raise InputError(f"the triangle has three corners, not {len(styles)}")
+        for style in styles:
+            self.walker.code({style: 1.0})
+        return tuple(styles)
+
     def choose(self, styles: Any) -> None:
         """Other styles at the corners; their curves must have been measured."""
-        chosen = self._three(styles)
+        chosen = self.three(styles)
         if missing := [style for style in chosen if style not in self.curves]:
             raise InputError(f"the speeds of style {missing[0]} have not been measured")
         self.styles = chosen
@@ -164,12 +180,3 @@ class Player:
 
     def _wanted_code(self) -> torch.Tensor:
         return self.walker.code(triangle_mixture(self.styles, self.point))
-
-    def _three(self, styles: Any) -> tuple[str, ...]:
-        if isinstance(styles, str) or not isinstance(styles, Sequence) or not all(isinstance(s, str) for s in styles):
-            raise InputError(f"the corners of the triangle should be three names of styles, not {_told(styles)}")
-        if len(styles) != 3:
-            raise InputError(f"the triangle has three corners, not {len(styles)}")
-        for style in styles:
-            self.walker.code({style: 1.0})
-        return tuple(styles)

@@ -93,6 +93,19 @@ class TestRollout:
         assert status == 0 and out.startswith(f"{tmp_path / 'walk.bvh'}: 30 frames of set1-not-old:3,Plain:1 at ")
         assert "asked: 1.20" in out
 
+    @pytest.mark.parametrize("flags", [(), ("--raw",)])
+    def test_the_bar_knows_its_end_and_says_the_try(self, roll, monkeypatch, flags):
+        """At a speed that nobody untrained goes at, all is tried."""
+        bars, most = [], 3 - len(flags)
+
+        class Bar(rollout.tqdm):
+            def set_description_str(self, desc=None, refresh=True):
+                bars.append((desc, self.n, self.total))
+
+        monkeypatch.setattr(rollout, "tqdm", Bar)
+        assert roll(*flags, speed="9.5")[0] == 0
+        assert bars == [(f"walk.bvh, try {k} of at most {most}", 0, 30) for k in range(1, most + 1)]
+
     def test_one_call_twice_gives_one_file(self, roll, tmp_path):
         roll(out="one.bvh")
         roll(out="two.bvh")
@@ -166,6 +179,12 @@ class TestRollout:
     def test_bad_values_are_one_line_and_leave_nothing(self, roll, tmp_path, option, says):
         assert refused(roll(**option)) == says
         assert list(tmp_path.iterdir()) == []
+
+    def test_the_movies_are_those_that_can_be_made(self):
+        """The command does not load pyvista to know them."""
+        from stylephase.report.render import movies
+
+        assert tuple(movies._WRITERS) == rollout.MOVIES
 
     @pytest.mark.parametrize("name", ["walk.fbx", "walk", "walk.BVHX"])
     def test_another_suffix_is_refused_before_anything_is_done(self, roll, tmp_path, name):

@@ -9,7 +9,9 @@ import tiny_walker as tiny
 
 from stylephase.runtime.controller import State
 from stylephase.runtime.finish import finish
-from stylephase.runtime.finishing import RAW, Finisher, Finishing
+from stylephase.runtime.finishing import RAW, Finisher, Finishing, landed
+from stylephase.runtime.foot_lock import Feet
+from stylephase.runtime.limits import JUMP, teleported
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rig import rig_of
 from stylephase.runtime.rollout import roll_out
@@ -87,3 +89,30 @@ def test_a_drive_is_a_rollout_that_is_finished_afterwards(grounded):
     raw = roll_out(bundle, codes, start, 90, plan, grounded=grounded)
     np.testing.assert_allclose(found.positions, finish(raw, rig).positions, atol=1e-9)
     np.testing.assert_allclose(found.root_positions, raw.root_positions, atol=1e-12)
+
+
+def test_after_a_jump_elsewhere_feet_are_where_they_are_predicted_and_nothing_is_torn():
+    """A walk that goes on 50 m away, through what follows: no toe beyond the reach of the lock, bones constant."""
+    finisher, toes = Finisher(tiny.BODY), [leg.tip for leg in rig_of(tiny.BODY).legs]
+    contacts = tiny.take().contacts[100:190, None].astype(float)
+    walk = [replace(tiny.start([100 + k]), contacts=stands) for k, stands in enumerate(contacts)]
+    assert 0 < contacts.mean() < 1
+    there = [teleported(s, s.path.root.positions + [30.0, 40.0], s.path.root.angles + 1.0) for s in walk]
+    off = []
+    for k in range(1, 90):
+        before, after = (walk[k - 1], walk[k]) if k < 40 else (there[k - 1], there[k])
+        on, shown = finisher(before, after)
+        off.append(np.linalg.norm((shown.positions - on.positions)[0, toes][:, ::2], axis=-1).max())
+    off = np.array(off)
+    assert off[39] < 1e-6 and off[39:].max() <= max(1.1 * off[:39].max(), 0.01)
+
+
+def test_an_ordinary_step_is_no_jump():
+    ones = np.ones((1, 2, 2))
+    feet = Feet(ones, 2 * ones, np.ones((1, 2), dtype=bool), ones, ones)
+    predicted = feet.predicted + np.array([[[0.2, 0.0], [0.0, JUMP]]])
+    found = landed(feet, predicted)
+    np.testing.assert_array_equal(found.held, [[True, False]])
+    np.testing.assert_array_equal(found.places[0, 0], feet.places[0, 0])
+    np.testing.assert_array_equal(found.places[0, 1], predicted[0, 1])
+    assert (found.drift[0, 0] == 2).all() and not found.drift[0, 1].any() and not found.moving[0, 1].any()

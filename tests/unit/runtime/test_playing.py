@@ -203,7 +203,14 @@ class TestLimits:
         np.testing.assert_allclose(found.velocity, [[0, 0], [0.6 * MOST_WISH, 0.8 * MOST_WISH], [0, 0]])
         np.testing.assert_allclose(found.facing, [0.7, 0.1, 0.7], atol=1e-9)
 
-    @pytest.mark.parametrize("wish", [NAN, INF, -INF, 100.0, 1e30])
+    @pytest.mark.parametrize("huge", [1e20, 1e200, 1.7e308])
+    def test_a_huge_wish_keeps_its_direction_and_has_the_length_of_the_most(self, huge):
+        wish = Steering(np.array([[0.6 * huge, -0.8 * huge], [0.0, huge]]), np.zeros(2))
+        with np.errstate(all="raise"):
+            found = limited(wish, tiny.start([0, 0]))
+        np.testing.assert_allclose(found.velocity, MOST_WISH * np.array([[0.6, -0.8], [0.0, 1.0]]), atol=1e-9)
+
+    @pytest.mark.parametrize("wish", [NAN, INF, -INF, 100.0, 1e30, 1e200])
     def test_an_absurd_wish_for_a_second_leaves_the_character_finite(self, wish):
         plan = within_limits(lambda frame, state: Steering(np.full((1, 2), wish), np.full(1, wish)))
         run = roll_out(tiny.bundle(network=tiny.Obedient()), tiny.codes(1), tiny.start([0]), 60, plan)
@@ -234,6 +241,15 @@ class TestPlayer:
             for _ in range(60):
                 player.step()
             assert least <= np.linalg.norm(player.state.path.root.positions - before) <= most
+
+    @pytest.mark.parametrize(
+        ("keys", "held"), [("shift", {"shift"}), ("W", {"w"}), ("", set()), (["w", "q"], {"w", "q"})]
+    )
+    def test_a_word_is_the_name_of_one_key(self, keys, held):
+        """Not its letters: `s` of `shift` would walk backward."""
+        player = self.player()
+        player.hold(keys)
+        assert player.held == held
 
     def test_a_new_mixture_comes_smoothly_and_whole(self):
         player = self.player()
@@ -286,7 +302,9 @@ class TestPlayer:
         ("name", "value", "says"),
         [
             ("mix", "left", "a point of the triangle should be of numbers, not 'left'"),
-            ("mix", None, "two finite numbers"),
+            ("mix", None, "a point of the triangle should be of numbers, not None"),
+            ("mix", [0.1, None], "should be of numbers"),
+            ("follow", [[0.0, 1.0], [None, 2.0]], "a path should be of numbers"),
             ("mix", [[0, 1], [2]], "should be of numbers"),
             ("follow", "0 0 1 1", "a path should be of numbers, not '0 0 1 1'"),
             ("follow", {"x": 1}, "a path should be of numbers"),
@@ -306,7 +324,7 @@ class TestPlayer:
 
     def test_a_speed_is_a_number(self):
         player = self.player()
-        for odd in ("fast", [1, 2], {}):
+        for odd in ("fast", [1, 2], {}, None):
             with pytest.raises(InputError, match="a speed should be"):
                 player.speed = odd
         assert player.speed == 1.0

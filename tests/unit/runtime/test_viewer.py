@@ -4,6 +4,7 @@ import asyncio
 import json
 import subprocess
 import sys
+import time
 import warnings
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 import tiny_walker as tiny
 
+from stylephase.errors import InputError
 from stylephase.features.body import Body
 from stylephase.motion.rest import rest_axes
 from stylephase.report import palette
@@ -126,10 +128,46 @@ class TestRunning:
 
         async def choose() -> None:
             say(made, "styles", ["Old", "Old", "Plain"])
-            await made._choosing
+            await asyncio.gather(*made._choosing)
 
         asyncio.run(choose())
         assert made.player.styles == ("Old", "Old", "Plain") == tuple(made.chosen) and len(asked) == 1
+
+    def test_of_two_choices_the_last_counts_however_long_the_first_takes(self, viewer, monkeypatch):
+        made = viewer()
+        monkeypatch.setattr(made.player, "measure", lambda styles: time.sleep(0.2 if styles[0] == "Old" else 0.0))
+
+        async def choose() -> None:
+            say(made, "styles", ["Old"] * 3)
+            say(made, "styles", ["Plain"] * 3)
+            await asyncio.gather(*made._choosing)
+
+        asyncio.run(choose())
+        assert made.player.styles == ("Plain",) * 3 == tuple(made.chosen) and not made._choosing
+
+    def test_what_goes_wrong_while_styles_are_measured_is_said_and_stays_said(self, viewer, monkeypatch):
+        made = viewer()
+        before = list(made.chosen)
+
+        def measure(styles) -> None:
+            raise InputError("style Old never stays finite")
+
+        monkeypatch.setattr(made.player, "measure", measure)
+
+        async def choose() -> None:
+            say(made, "styles", ["Old"] * 3)
+            await asyncio.gather(*made._choosing)
+            say(made, "alive")
+            made.stop()
+
+        asyncio.run(choose())
+        assert made.problem == "style Old never stays finite" and made.chosen == before == list(made.player.styles)
+
+    @pytest.mark.parametrize("styles", [None, "Old", ["Old", None, "Plain"], ["Old"]])
+    def test_what_is_no_choice_is_refused_in_words(self, viewer, styles):
+        made = viewer()
+        say(made, "styles", styles)
+        assert made.problem.startswith(("the corners of the triangle should be", "the triangle has three corners"))
 
     @pytest.mark.parametrize(
         ("kind", "value"),

@@ -26,8 +26,52 @@ const frames = v.recordedFrames(new DataView(halves.buffer), 3);
 assert.equal(frames.length, 2);
 near(frames[0][0], 1); near(frames[0][1], -2); near(frames[0][2], 1 / 3, 1e-3); near(frames[1][0], 2 ** -24); assert.equal(frames[1][1], Infinity);
 assert.deepEqual(v.recordedFrames(null, 3), []);
+// A second of a screen of 60 or 144 Hz ends at the same frame of the recording, which begins anew after its last.
+for (const hz of [30, 60, 144]) {
+  const seen = Array.from({ length: hz }, (_, k) => v.recordedAt((1000 * k) / hz + 1e-6, 30, 20));
+  assert.deepEqual([seen[0], new Set(seen).size, seen.at(-1)], [0, 20, 9]);
+}
 for (const [point, weights] of [[[0, 0], [1, 0, 0]], [[1, 0], [0, 1, 0]], [[0.5, Math.sqrt(3) / 2], [0, 0, 1]]])
   v.weightsAt(point).forEach((w, k) => near(w, weights[k]));
 assert.equal(v.keyOf("KeyW"), "w"); assert.equal(v.keyOf("ShiftRight"), "shift"); assert.equal(v.keyOf("KeyX"), undefined);
-assert.equal(typeof v.default.render, "function");
+// A page without a browser: a recording of ten frames, whose speeds are their numbers, plays by the clock until Stop.
+const nodes = {}, said = [];
+let clock = 0, next = null;
+globalThis.performance = { now: () => clock };
+globalThis.requestAnimationFrame = (then) => { next = then; };
+globalThis.Option = class {};
+globalThis.document = {
+  visibilityState: "visible",
+  createElement() {
+    const heard = {}, node = { dataset: {}, classList: { toggle() {} }, appendChild() {}, add() {}, focus() {} };
+    const pen = new Proxy({ canvas: node }, { get: (all, name) => (name in all ? all[name] : () => pen) });
+    Object.assign(node, { getContext: () => pen, addEventListener: (name, f) => { heard[name] = f; }, click: () => heard.click() });
+    return new Proxy(node, { set: (all, name, value) => { all[name] = value; if (name === "className") nodes[value] = node; return true; } });
+  },
+};
+const layout = { positions: [0, 6], path: [6, 54], contacts: [54, 56], phases: [56, 64], speed: [64, 65] };
+const numbers = Array.from({ length: 10 }, (_, k) => [...Array(64).fill(0), [0, 0x3c00, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600, 0x4700, 0x4800, 0x4880][k]]);
+const model = {
+  get: (name) => ({
+    shape: { layout, capsules: [[0, 1, 0.1, 0]], head: { joint: 1, radius: 0.1 }, feet: [0, 1], limbs: [], speed: 1, recorded_fps: 10 },
+    styles: ["Old"], chosen: ["Old", "Old", "Old"], problem: "", recording: new DataView(Uint16Array.from(numbers.flat()).buffer),
+  })[name],
+  send: ({ kind }) => said.push(kind), on() {}, off() {},
+};
+const leave = v.default.render({ model, el: document.createElement("div") });
+const play = (ms, hz) => { for (const end = clock + ms; clock < end - 1e-9;) { clock += 1000 / hz; next(clock); } };
+const now = () => Number(nodes["sp-value"].textContent.split("now ")[1]);
+play(1650, 50);
+const first = now();
+play(500, 144);
+assert.equal((now() - first + 10) % 10, 5);
+nodes["sp-power"].click();
+const stopped = now();
+play(500, 50);
+assert.equal(now(), stopped);
+nodes["sp-power"].click();
+play(200, 50);
+assert.equal((now() - stopped + 10) % 10, 2);
+leave();
+assert.equal(said.at(-1), "stop");
 console.log(JSON.stringify(v.COLOURS));

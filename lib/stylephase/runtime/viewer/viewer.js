@@ -9,7 +9,8 @@ export const COLOURS = {
 const KEYS = { KeyW: "w", KeyA: "a", KeyS: "s", KeyD: "d", KeyQ: "q", KeyE: "e", ShiftLeft: "shift", ShiftRight: "shift" };
 const CORNERS = [[0, 0], [1, 0], [0.5, Math.sqrt(3) / 2]];
 const NEAR = 0.2, FOCUS = 1.6, GRID = 9;
-const ALIVE_MS = 500, QUIET_MS = 1500;
+// What a recording is late by more than this, as in a hidden page, is left out.
+const ALIVE_MS = 500, QUIET_MS = 1500, LATE_MS = 250;
 
 /** Name of a key by its place on the keyboard, so that other layouts than English serve too; undefined for others. */
 export const keyOf = (code) => KEYS[code];
@@ -75,6 +76,9 @@ export function recordedFrames(view, values) {
   }
   return frames;
 }
+
+/** Which frame of a recording is shown so many milliseconds after it began, over and over; any screen shows it as fast. */
+export const recordedAt = (elapsed, fps, count) => Math.floor((Math.max(elapsed, 0) * fps) / 1000) % count;
 
 /** A number of half precision from its bits. */
 export function half(bits) {
@@ -237,7 +241,7 @@ function render({ model, el }) {
   const view = { yaw: Math.PI + 0.5, pitch: 0.28, distance: 3.2, at: [0, 0.9, 0] };
   const held = new Set();
   let frame = null, fresh = false, on = true, last = 0, point = [0.5, CORNERS[2][1] / 3], most = 0;
-  let drawing = false, stroke = null, recorded = null, count = 0, alive = true;
+  let drawing = false, stroke = null, recorded = null, played = 0, before = 0, alive = true;
 
   const cam = () => camera(view.at, view.yaw, view.pitch, view.distance, canvas.width, canvas.height);
   const take = (numbers) => {
@@ -266,10 +270,14 @@ function render({ model, el }) {
     drawDials(dials.getContext("2d"), shape, frame.phases, most);
     shown.textContent = `${Number(slider.value).toFixed(2)} m/s, now ${frame.speed[0].toFixed(2)}`;
   };
-  const loop = () => {
+  const loop = (now) => {
     if (!alive) return;
     if (on && performance.now() - last > QUIET_MS && recorded === null) recorded = recordedFrames(model.get("recording"), values);
-    if (recorded?.length) take(recorded[Math.floor((count++ * shape.recorded_fps) / 60) % recorded.length]);
+    if (on && recorded?.length) {
+      played += Math.min(now - before, LATE_MS);
+      take(recorded[recordedAt(played, shape.recorded_fps, recorded.length)]);
+    }
+    before = now;
     if (frame && fresh) {
       follow();
       paint();
@@ -349,7 +357,11 @@ function render({ model, el }) {
     root.focus();
   });
   const chosen = () => corners.forEach((select, k) => { select.value = model.get("chosen")[k]; });
-  const problem = () => { status.textContent = model.get("problem"); };
+  // What was refused is not chosen either.
+  const problem = () => {
+    status.textContent = model.get("problem");
+    if (model.get("problem")) chosen();
+  };
   model.on("msg:custom", heard);
   model.on("change:chosen", chosen);
   model.on("change:problem", problem);

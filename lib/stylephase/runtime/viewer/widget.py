@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,8 @@ _HERE = Path(__file__).parent
 _SILENCE = 2.5
 # What is late by more than this (s) is left out, not made up for.
 _LATE = 0.25
+# What tells that a word cannot be followed.
+_REFUSED = (InputError, TypeError, ValueError)
 # Frames a second of a recording.
 RECORDED_FPS = 30
 # The speed shown is that of the last so many frames.
@@ -47,7 +49,7 @@ class Viewer(anywidget.AnyWidget):
     def __init__(self, player: Player, *, recording: Float[ndarray, "frames values"] | None = None):
         self.player, self.sent, self._heard = player, 0, float("-inf")
         self._task: asyncio.Task[None] | None = None
-        self._choosing: asyncio.Task[None] | None = None
+        self._choosing, self._choices = set[asyncio.Task[None]](), 0
         self._track = [player.state.path.root.positions[0]] * _SPEED_FRAMES
         body = player.walker.body
         shape = body_shape(body) | {"layout": frame_layout(len(body.joints)), "speed": player.speed}
@@ -65,10 +67,12 @@ class Viewer(anywidget.AnyWidget):
         """What a view says. A word that cannot be followed is shown in `problem`, and nothing else changes."""
         try:
             self._answer(str(content.get("kind")), content.get("value"))
-        except (InputError, TypeError, ValueError) as error:
+        except _REFUSED as error:
             self.problem = str(error)
         else:
-            self.problem = ""
+            # A view says that it is there twice a second, which answers no problem.
+            if content.get("kind") != "alive":
+                self.problem = ""
 
     def _answer(self, kind: str, value: Any) -> None:
         answers: dict[str, Callable[[Any], None]] = {
@@ -90,17 +94,30 @@ class Viewer(anywidget.AnyWidget):
         if not self.running:
             self._task = asyncio.get_running_loop().create_task(self._run())
 
-    def _choose(self, styles: Sequence[str]) -> None:
-        """Measure new styles on a thread while the character walks on, then take them."""
-        for style in styles:
-            self.player.walker.code({style: 1.0})
+    def _choose(self, styles: Any) -> None:
+        """Measure new styles on a thread while the character walks on, then take them, unless others are chosen since.
+
+        What goes wrong while they are measured is shown in `problem`.
+        """
+        styles, self._choices = self.player.three(styles), self._choices + 1
+        choice = self._choices
 
         async def measured() -> None:
-            await asyncio.to_thread(self.player.measure, styles)
-            self.player.choose(styles)
-            self.chosen = list(styles)
+            try:
+                await asyncio.to_thread(self.player.measure, styles)
+                if choice != self._choices:
+                    return
+                self.player.choose(styles)
+            except _REFUSED as error:
+                if choice == self._choices:
+                    self.problem = str(error)
+            else:
+                self.chosen = list(styles)
 
-        self._choosing = asyncio.get_running_loop().create_task(measured())
+        # A task that nothing refers to may be dropped before its end.
+        task = asyncio.get_running_loop().create_task(measured())
+        self._choosing.add(task)
+        task.add_done_callback(self._choosing.discard)
 
     def stop(self) -> None:
         """Send no more frames, until a view is opened or started again."""
