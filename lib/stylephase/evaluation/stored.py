@@ -1,9 +1,12 @@
 """What a stored vector would miss of what an adapter adds: whether adapters have to be kept whole ([M22] 5.2.1)."""
 
+from collections.abc import Callable
+
 import numpy as np
 import torch
 from jaxtyping import Float
 from numpy import ndarray
+from torch import Tensor, nn
 
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
@@ -30,8 +33,7 @@ def missed_by_a_stored_vector(
         raise InputError(f"{bundle.model} has no adapters")
     added: list[list[ndarray]] = [[] for _ in modulator.adapters]
     hooks = [
-        adapter.register_forward_hook(lambda _module, _inputs, found, kept=kept: kept.append(found.numpy().copy()))
-        for adapter, kept in zip(modulator.adapters, added, strict=True)
+        adapter.register_forward_hook(_keeping(kept)) for adapter, kept in zip(modulator.adapters, added, strict=True)
     ]
     try:
         codes, wanted = torch.stack([bundle.code(style) for style in bundle.styles]), np.full(len(bundle.styles), speed)
@@ -43,6 +45,15 @@ def missed_by_a_stored_vector(
         for hook in hooks:
             hook.remove()
     return np.array([left_out(np.concatenate(kept[int(settle * FPS) :])) for kept in added])
+
+
+def _keeping(kept: list[ndarray]) -> Callable[..., None]:
+    """A hook that keeps what a module gives."""
+
+    def keep(_module: nn.Module, _inputs: tuple[Tensor, ...], found: Tensor) -> None:
+        kept.append(found.numpy().copy())
+
+    return keep
 
 
 def left_out(values: Float[ndarray, "frames units"]) -> float:
