@@ -67,7 +67,6 @@ folder = ROOT / weights if weights else runs[0].parent
 bundle, figures = load_weights(str(folder)), ROOT / figures_folder
 store = VectorStore(load_catalogue(dataset, bundle.styles), bundle.about["phases"])
 styles = [for_gate(store.load(style), bundle.layout) for style in bundle.styles]
-by_name = dict(zip(bundle.styles, styles, strict=True))
 corners = tuple((pick(bundle.styles) * 3)[:3])
 # Weights that are passed on bring their starts along; those of a run get them here, as `stylephase export` makes them.
 bundle = bundle if bundle.starts else replace(bundle, starts=walked_starts(bundle, styles))
@@ -112,8 +111,7 @@ later = {case: int((np.abs(v / asked - 1) <= played.NEAR).sum()) for case, (v, a
 Markdown("; ".join(f"{case}: {count} of {len(wanted)} styles within 10 %" for case, count in later.items()))
 
 # %% [markdown]
-# Styles also have faster gaits. Between walking and running there are speeds that no style holds, and a mean over
-# takes that speed up lies there.
+# Styles also have faster gaits. Which of their speeds, means over whole takes, are reached?
 
 # %%
 asked = [(s, gait, speed) for s in styles for gait, speed in character.forward_speeds(s).items()]
@@ -126,9 +124,18 @@ gaits = character.reached_speeds(bundle, each, walker.start(each), plan)
 missed = [
     f"{s.style} {gait} {v:.2f}: {r:.2f}" for (s, gait, v), r in zip(asked, gaits, strict=True) if abs(r / v - 1) > 0.1
 ]
+by_gait = played.reached_by_gait([gait for _, gait, _ in asked], gaits / speeds)
 Markdown(
     f"{len(asked) - len(missed)} of {len(asked)} speeds of gaits are reached; not these (m/s): {'; '.join(missed)}"
 )
+
+# %% [markdown]
+# Some takes go aside or backward. Each character is asked to go as they do, facing ahead: at their angle and speed.
+# Led straight ahead at that speed it must not pass.
+
+# %%
+sideways = played.ways_aside(bundle, styles, curves)
+Markdown(played.aside_table(sideways) if sideways else "These data have no such takes.")
 
 # %% [markdown]
 # ## The user's path and the network's
@@ -176,7 +183,8 @@ Markdown(played.looks_table(looks, recorded))
 pairs = character.ring(bundle.styles)
 pure = character.arms_of(ways["grounded"], bundle.body)
 gain_of = dict(zip(bundle.styles, gains.tolist(), strict=True))
-half = character.arms_of(character.half_way(bundle, by_name, gain_of, pairs, 15.0), bundle.body)
+speed_of = dict(zip(bundle.styles, wanted.tolist(), strict=True))
+half = character.arms_of(character.half_way(bundle, gain_of, speed_of, pairs, 15.0), bundle.body)
 at = {style: k for k, style in enumerate(bundle.styles)}
 more_wrong = half.wrong - np.array([(pure.wrong[at[a]] + pure.wrong[at[b]]) / 2 for a, b in pairs])
 Markdown(
@@ -221,9 +229,9 @@ movie(figures / "09_play.mp4", motion.frames(120, min(len(motion), 600)), fps=30
 Video(str(figures / "09_play.mp4"), embed=True)
 
 # %% [markdown]
-# With W held the character should walk straight. The release asks it, while no key turns, for the facing that it has:
-# its own sway then turns it off its way. Here the facing last asked for stays. Who faces ahead may still walk aside, so
-# the distance from the straight way is told too.
+# With W held the character should walk straight: here by the controller alone, not led to a speed. The release asks it,
+# while no key turns, for the facing that it has: its own sway then turns it off its way. Here the facing last asked for
+# stays. Who faces ahead may still walk aside, so the distance from the straight way is told too.
 
 # %%
 hold = partial(played.drift, bundle, codes, start, gains, seconds=min(seconds, 30.0))
@@ -362,6 +370,8 @@ result = played.Found(
     costs=costs,
     wanted=wanted,
     led=led,
+    gaits=by_gait,
+    aside=sideways,
     endured=found,
     alone=alone,
     one_clip=one_clip,

@@ -15,7 +15,7 @@ from torch import Tensor
 
 from stylephase.data.catalogue import cut_frames, load_clip, usable
 from stylephase.evaluation.bench.rows import interleaved, threads
-from stylephase.evaluation.interpolation import Pair, blended_codes, blended_gains, starts
+from stylephase.evaluation.interpolation import Pair, blended_codes, blended_gains
 from stylephase.evaluation.motion import foot_skate, heading_error
 from stylephase.evaluation.robustness import random_paths
 from stylephase.evaluation.rollouts import SETTLE, local_poses
@@ -34,12 +34,13 @@ from stylephase.runtime.foot_lock import LockSettings
 from stylephase.runtime.mixtures import CORNERS
 from stylephase.runtime.pace import Pace, at_pace
 from stylephase.runtime.paths import FollowPaths
-from stylephase.runtime.plans import OnPath, Plan, Steady, TurnOnce
+from stylephase.runtime.plans import OnPath, Plan, Steady, TurnOnce, heading
 from stylephase.runtime.player import BLEND, Player
 from stylephase.runtime.rig import rig_of
 from stylephase.runtime.rollout import Rollout, as_rollout, roll_out
 from stylephase.runtime.trajectory import PAST, Steering
 from stylephase.runtime.walkers import NetworkWalker, drive
+from stylephase.runtime.ways import way_of
 
 _CONTACT = 0.5
 # Captures at 30 frames a second have no faster changes, so accelerations are told over this many frames of 60.
@@ -52,6 +53,8 @@ _BEFORE, _AFTER, _AHEAD = -30, 24, 0.9
 _MISPLACED = 0.05
 # Clips (frames) by which a crowd is told apart where there are no data.
 _CLIP = int(1.5 * FPS)
+# From so far on a way is aside (rad).
+ASIDE = np.radians(10)
 # Points of the triangle at which a mixture is held: corners, middles of the sides.
 _HELD = np.concatenate([CORNERS, (CORNERS + np.roll(CORNERS, -1, axis=0)) / 2])
 
@@ -91,13 +94,17 @@ def largest_acceleration(positions: Float[ndarray, "frames joints 3"], stride: i
 
 
 def recorded_accelerations(store: VectorStore, styles: Sequence[str], seconds: float) -> Float[ndarray, " styles"]:
-    """Largest acceleration (m/s2) in about so many seconds of recorded forward walks of each style."""
+    """Largest acceleration (m/s2) in about so many seconds of recorded forward walks of each style.
+
+    Faster gaits, which are rougher, do not fill up what walks leave; a style without walks gives what it has.
+    """
     return np.array([_recorded_acceleration(store, style, seconds) for style in styles])
 
 
 def _recorded_acceleration(store: VectorStore, style: str, seconds: float) -> float:
     catalogue, body, left, found = store.catalogue, store.body, int(seconds * FPS), [0.0]
-    for entry in sorted(catalogue.of(style), key=lambda entry: entry.gait not in WALKS):
+    takes = catalogue.of(style)
+    for entry in [take for take in takes if take.gait in WALKS] or takes:
         clip = load_clip(entry, catalogue.dataset, fps=FPS, skeleton=body.skeleton)
         start, stop = cut_frames(entry, catalogue.dataset, clip)
         if not usable(stop - start):
@@ -165,16 +172,19 @@ def arms_of(run: Rollout, body: Body, settle: int = SETTLE) -> Arms:
 
 def half_way(
     bundle: Bundle,
-    styles: Mapping[str, StyleVectors],
     gains: Mapping[str, float],
+    wanted: Mapping[str, float],
     pairs: Sequence[Pair],
     seconds: float,
 ) -> Rollout:
-    """Grounded walks of the mixtures half-way between the two styles of each pair."""
+    """Grounded walks of the mixtures half-way between the two styles of each pair, begun and led as pure ones are.
+
+    `gains` and `wanted` speeds (m/s) are those of the styles, by name.
+    """
     half = np.array([0.5])
-    codes, start = blended_codes(bundle, pairs, half), starts(styles, pairs, bundle.body, last=False, count=1)
-    plan = Steady(blended_gains(gains, pairs, half))
-    return roll_out(bundle, codes, start, int(seconds * FPS), plan, grounded=True)
+    codes = blended_codes(bundle, pairs, half)
+    plan = at_pace(Steady(blended_gains(gains, pairs, half)), blended_gains(wanted, pairs, half))
+    return roll_out(bundle, codes, NetworkWalker(bundle).start(codes), int(seconds * FPS), plan, grounded=True)
 
 
 def ring(styles: Sequence[str], seed: int = 0) -> list[Pair]:
@@ -183,8 +193,16 @@ def ring(styles: Sequence[str], seed: int = 0) -> list[Pair]:
     return list(zip(drawn, [*drawn[1:], drawn[0]], strict=True))
 
 
-def forward_speeds(style: StyleVectors) -> dict[str, float]:
-    """Mean speed (m/s) of each gait in which the style goes straight ahead."""
+@dataclass(frozen=True)
+class Going:
+    """How a gait goes: its mean speed (m/s), and the angle of its way to the facing (rad, positive to the left)."""
+
+    speed: float
+    angle: float
+
+
+def goings(style: StyleVectors) -> dict[str, Going]:
+    """How each gait of a style goes whose takes agree on a direction."""
     rows, found = style.rows("train"), {}
     for gait in dict.fromkeys(style.gaits):
         chosen = rows[np.array(style.gaits)[style.take[rows]] == gait]
@@ -192,10 +210,20 @@ def forward_speeds(style: StyleVectors) -> dict[str, float]:
             continue
         path = style.x[chosen, : 4 * len(INPUT_SAMPLES)].reshape(-1, len(INPUT_SAMPLES), 4)
         way = path[:, INPUT_SAMPLES.index(_AFTER), :2] - path[:, INPUT_SAMPLES.index(_BEFORE), :2]
-        length = np.linalg.norm(way, axis=1).mean()
-        if way[:, 1].mean() >= _AHEAD * length:
-            found[gait] = float(length * FPS / (_AFTER - _BEFORE))
+        length, mean = np.linalg.norm(way, axis=1).mean(), way.mean(axis=0)
+        if np.linalg.norm(mean) >= _AHEAD * length:
+            found[gait] = Going(float(length * FPS / (_AFTER - _BEFORE)), float(np.arctan2(*mean)))
     return found
+
+
+def forward_speeds(style: StyleVectors) -> dict[str, float]:
+    """Mean speed (m/s) of each gait in which the style goes straight ahead."""
+    return {gait: how.speed for gait, how in goings(style).items() if abs(how.angle) < ASIDE}
+
+
+def aside(style: StyleVectors) -> dict[str, Going]:
+    """The gaits in which the style goes aside or backward."""
+    return {gait: how for gait, how in goings(style).items() if abs(how.angle) >= ASIDE}
 
 
 def reached_speeds(
@@ -210,6 +238,28 @@ def reached_speeds(
     walker, frames = NetworkWalker(bundle), int(seconds * FPS)
     run = drive(walker, codes, start, frames, plan)
     return np.array([speed_of(run.root_positions[frames // 2 :, k]) for k in range(len(codes))])
+
+
+def reached_goings(
+    bundle: Bundle,
+    codes: Float[Tensor, "characters values"],
+    start: State,
+    gains: Float[ndarray, " characters"],
+    asked: Sequence[Going],
+    *,
+    seconds: float = 8.0,
+) -> list[Going]:
+    """How finished characters go, over the last half, that are to go so, each facing ahead."""
+    speeds, angles = (np.array([getattr(how, part) for how in asked]) for part in ("speed", "angle"))
+
+    def plan(_frame: int, _state: OnPath) -> Steering:
+        return Steering(gains[:, None] * heading(angles), np.zeros(len(angles)))
+
+    frames = int(seconds * FPS)
+    run = drive(NetworkWalker(bundle), codes, start, frames, at_pace(plan, speeds))
+    last = [run.root_positions[frames // 2 :, k] for k in range(len(asked))]
+    ways = [np.radians(way_of(run, k, plan, []).strafe) for k in range(len(asked))]
+    return [Going(speed_of(places), float(way)) for places, way in zip(last, ways, strict=True)]
 
 
 def after_standing(plan: Plan, seconds: float) -> Plan:

@@ -13,7 +13,7 @@ from numpy import ndarray
 from torch import Tensor
 
 from stylephase.evaluation import character
-from stylephase.evaluation.character import Arms, Blend, Looks
+from stylephase.evaluation.character import Arms, Blend, Going, Looks
 from stylephase.evaluation.comparison import mean_with_interval
 from stylephase.evaluation.robustness import Endurance, endure
 from stylephase.evaluation.rollouts import start_of
@@ -31,7 +31,7 @@ from stylephase.runtime.mixtures import CORNERS
 from stylephase.runtime.plans import heading
 from stylephase.runtime.player import Player
 from stylephase.runtime.rollout import as_rollout
-from stylephase.runtime.speeds import speed_curves
+from stylephase.runtime.speeds import SpeedCurve, speed_curves
 from stylephase.runtime.viewer.frames import frame_numbers
 from stylephase.runtime.viewer.widget import RECORDED_FPS
 from stylephase.runtime.walkers import NetworkWalker
@@ -44,6 +44,8 @@ _FEW = 0.1
 # A speed within this share of the wanted one is reached; most is this share of the styles; a jolt is this many times
 # the largest acceleration without.
 NEAR, MOST, JOLT = 0.1, 0.8, 1.5
+# A way within this angle (rad) of the wanted one is taken.
+ANGLE = np.radians(15)
 OTHER = "reproduced on other data"
 # Gain of the release's documented set-up ([M22] release 5.2).
 _RELEASE_GAIN = 6.0
@@ -225,6 +227,72 @@ def looks_table(looks: Mapping[str, Looks], recorded: Float[ndarray, " styles"])
     return "\n".join(lines)
 
 
+def reached_by_gait(gaits: Sequence[str], ratios: Float[ndarray, " speeds"]) -> dict[str, tuple[int, int]]:
+    """Of each gait, how many speeds are reached within NEAR, and how many there are; ratios are reached over wanted."""
+    near, names = np.abs(ratios - 1) <= NEAR, np.array(gaits)
+    return {gait: (int(near[names == gait].sum()), int((names == gait).sum())) for gait in dict.fromkeys(gaits)}
+
+
+@dataclass(frozen=True)
+class Aside:
+    """Ways aside and backward: the style and gait, how its takes go, how the character goes, and when asked to go on.
+
+    `ahead` is the same character led straight ahead at that speed: who takes no notice of the angle goes so.
+    """
+
+    style: str
+    gait: str
+    data: Going
+    ours: Going
+    ahead: Going
+
+    @property
+    def reached(self) -> bool:
+        """Whether speed and angle are those of the data."""
+        return _as_asked(self.ours, self.data)
+
+    @property
+    def by_chance(self) -> bool:
+        """Whether going straight ahead would pass too."""
+        return _as_asked(self.ahead, self.data)
+
+
+def _as_asked(found: Going, asked: Going) -> bool:
+    off = (found.angle - asked.angle + np.pi) % (2 * np.pi) - np.pi
+    return bool(abs(found.speed / asked.speed - 1) <= NEAR and abs(off) <= ANGLE)
+
+
+def ways_aside(bundle: Bundle, styles: Sequence[StyleVectors], curves: Mapping[str, SpeedCurve]) -> list[Aside]:
+    """Every gait aside or backward that the data have, asked for as its takes go."""
+    cases = [(style.style, gait, how) for style in styles for gait, how in character.aside(style).items()]
+    if not cases:
+        return []
+    codes = torch.stack([bundle.code(style) for style, *_ in cases])
+    data = [how for *_, how in cases]
+    gains = np.array([curves[style].gain(how.speed) for style, _, how in cases])
+    start = NetworkWalker(bundle).start(codes)
+    ours, ahead = (
+        character.reached_goings(bundle, codes, start, gains, asked)
+        for asked in (data, [replace(how, angle=0.0) for how in data])
+    )
+    return [Aside(*case, *found) for case, *found in zip(cases, ours, ahead, strict=True)]
+
+
+def aside_table(found: Sequence[Aside]) -> str:
+    """A Markdown table, a row for each gait: medians over styles of angles (degrees to the left) and speeds (m/s)."""
+    lines = ["| gait | takes | ours | led ahead | as the takes go |", "|---" * 5 + "|"]
+    for gait in dict.fromkeys(one.gait for one in found):
+        rows = [one for one in found if one.gait == gait]
+        cells = [_median([getattr(one, part) for one in rows]) for part in ("data", "ours", "ahead")]
+        lines.append(f"| {gait} | {' | '.join(cells)} | {sum(one.reached for one in rows)} of {len(rows)} |")
+    return "\n".join(lines)
+
+
+def _median(goings: Sequence[Going]) -> str:
+    angle = np.degrees(np.median([abs(how.angle) for how in goings]))
+    return f"{angle:.0f}° aside at {np.median([how.speed for how in goings]):.2f} m/s"
+
+
 def effect(values: Float[ndarray, " cases"], seed: int = 0) -> tuple[float, float, float]:
     """Mean over styles or pairs, and the interval when they are drawn again."""
     return mean_with_interval(values[None], np.random.default_rng(seed))
@@ -239,7 +307,7 @@ def triples(styles: Sequence[str], most: int = 7, seed: int = 0) -> list[tuple[s
 
 @dataclass(frozen=True)
 class Found:
-    """What the notebook measured, for its claims."""
+    """What the notebook measured, for its claims; `gaits` are speeds that were reached, and all, by gait."""
 
     dataset: str
     recorded: Float[ndarray, " styles"]
@@ -251,6 +319,8 @@ class Found:
     costs: Mapping[str, float]
     wanted: Float[ndarray, " styles"]
     led: Float[ndarray, " styles"]
+    gaits: Mapping[str, tuple[int, int]]
+    aside: Sequence[Aside]
     endured: Sequence[Endurance]
     alone: Sequence[Endurance]
     one_clip: FromOneClip | None
@@ -271,11 +341,24 @@ def record(recorder: Recorder, found: Found) -> None:
     near = np.abs(found.led / found.wanted - 1) <= NEAR
     off = f"the farthest off goes at {np.abs(found.led / found.wanted - 1).max():.0%} more or less than asked"
     recorder.claim("ours-play-speeds", value=float(near.mean()), n=len(near), note=off)
+    note = ", ".join(f"{gait} {reached} of {count}" for gait, (reached, count) in found.gaits.items())
+    reached, count = np.sum(list(found.gaits.values()), axis=0).tolist()
+    recorder.claim("ours-play-gaits", value=reached / count, n=count, note=note)
+    _record_aside(recorder, found.aside)
     held = sum(not e.broken for e in found.endured)
     note = f"for {found.seconds:g} s each; {_broken(found)}"
     recorder.claim("ours-play-endurance", value=held / len(found.endured), n=len(found.endured), note=note)
     chance = f"one in {len(found.wanted)} by chance"
     recorder.claim("ours-play-crowd-recognised", value=found.recognised, n=len(found.wanted), note=chance)
+
+
+def _record_aside(recorder: Recorder, aside: Sequence[Aside]) -> None:
+    if not aside:
+        recorder.not_testable("ours-play-aside", "takes that go aside or backward")
+        return
+    share, ahead = (float(np.mean([getattr(one, part) for one in aside])) for part in ("reached", "by_chance"))
+    note = f"led straight ahead {ahead:.2f}; an angle within {np.degrees(ANGLE):.0f} degrees, a speed within 10 %"
+    recorder.claim("ours-play-aside", value=share, n=len(aside), note=note)
 
 
 def _record_blend(recorder: Recorder, blend: Blend) -> None:
@@ -301,9 +384,10 @@ def _record_crowd(recorder: Recorder, found: Found) -> None:
 
 def _record_finishing(recorder: Recorder, found: Found) -> None:
     skate = {name: looks.skate for name, looks in found.looks.items()}
-    value, low, high = effect(skate["raw"] - skate["finished"])
+    value, low, high = effect(skate["grounded"] - skate["finished"])
     better = low > 0 and (skate["scrambled"] > skate["raw"]).mean() > 0.5
-    note = f"slide falls by {value:.3f} m/s [{low:.3f}, {high:.3f}] over {len(found.recorded)} styles, to "
+    note = f"holding feet lessens the slide by {value:.3f} m/s [{low:.3f}, {high:.3f}] over {len(found.recorded)} "
+    note += f"styles, from {np.median(skate['grounded']):.3f} grounded ({np.median(skate['raw']):.3f} raw) to "
     note += f"{np.median(skate['finished']):.4f}; feet held at wrong times slide {np.median(skate['scrambled']):.2f}"
     verdict = OTHER if better else "differs"
     recorder.claim("m22-demo-foot-ik", verdict=verdict, value=float(np.median(skate["finished"])), note=note)
@@ -318,8 +402,8 @@ def _record_finishing(recorder: Recorder, found: Found) -> None:
     jerks, costs = finished.acceleration / found.recorded, found.costs
     median = f"{np.median(finished.skate):.4f} m/s in the median"
     recorder.claim("ours-play-skate", value=float(finished.skate.max()), n=len(jerks), note=median)
-    most = f"at most {jerks.max():.2f} times the recorded"
-    recorder.claim("ours-play-pops", value=float(np.median(jerks)), n=len(jerks), note=most)
+    median = f"{np.median(jerks):.2f} times the recorded in the median"
+    recorder.claim("ours-play-pops", value=float(jerks.max()), n=len(jerks), note=median)
     before = f"{found.looks['raw'].bones.max():.0f} mm before"
     recorder.claim("ours-play-bones", value=float(finished.bones.max()), note=before)
     parts = f"{costs['finishing']:.2f} ms beside {costs['network']:.2f} ms of the network"

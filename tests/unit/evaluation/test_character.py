@@ -9,8 +9,10 @@ import torch
 
 from stylephase.evaluation.character import (
     SUDDEN,
+    Going,
     after_standing,
     arms_of,
+    aside,
     changed_speeds,
     costs,
     crowd,
@@ -21,6 +23,7 @@ from stylephase.evaluation.character import (
     looks_of,
     mixing,
     nearest_styles,
+    reached_goings,
     reached_speeds,
     ring,
     trajectory_blend,
@@ -100,6 +103,22 @@ def test_only_gaits_that_go_straight_ahead_have_a_speed():
     assert forward_speeds(replace(style, x=x)) == {}
 
 
+def test_a_gait_backward_is_aside_and_has_its_angle():
+    style = tiny.style_vectors()
+    assert aside(style) == {}
+    x = style.x.copy()
+    x[:, : 4 * len(INPUT_SAMPLES)] = x[:, : 4 * len(INPUT_SAMPLES)] * np.tile([1, -1, 1, 1], len(INPUT_SAMPLES))
+    (how,) = aside(replace(style, x=x)).values()
+    assert abs(how.angle) == pytest.approx(np.pi, abs=0.1) and how.speed == pytest.approx(tiny.SPEED, rel=0.05)
+
+
+def test_who_does_as_asked_goes_aside_at_its_angle():
+    bundle, asked = tiny.bundle(network=tiny.Obedient()), [Going(1.0, 0.5), Going(0.8, -1.0)]
+    found = reached_goings(bundle, tiny.codes(2), tiny.start([0, 60]), np.array([1.0, 0.8]), asked, seconds=10.0)
+    assert [how.angle for how in found] == pytest.approx([0.5, -1.0], abs=0.15)
+    assert [how.speed for how in found] == pytest.approx([1.0, 0.8], rel=0.15)
+
+
 def test_speeds_are_those_of_the_last_half():
     """The plan asks for a walk after a run."""
     bundle = tiny.bundle(network=tiny.Obedient())
@@ -121,7 +140,7 @@ def test_each_style_is_once_first_and_once_last_and_with_another():
 def test_a_mixture_that_jumps_shows_and_one_that_moves_does_not(monkeypatch):
     """The obedient walker's pose leans with its code."""
     monkeypatch.setattr(calibration, "_WARM_UP_SECONDS", 0.1)
-    curves = dict.fromkeys(tiny.STYLES, SpeedCurve(np.array([0.5, 2.0]), np.array([0.5, 2.0])))
+    curves: dict[str, SpeedCurve] = dict.fromkeys(tiny.STYLES, SpeedCurve(np.array([0.5, 2.0]), np.array([0.5, 2.0])))
     found = mixing(Player(tiny.bundle(network=tiny.Obedient()), tiny.STYLES[:3], curves=curves), 3.0)
     assert found["jumping"] > 2 * found["changing"] > found["held"]
 

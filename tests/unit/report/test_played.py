@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import tiny_walker as tiny
 
-from stylephase.evaluation.character import Arms, Blend, Looks
+from stylephase.evaluation.character import Arms, Blend, Going, Looks
 from stylephase.evaluation.robustness import Endurance
 from stylephase.models.bundle import save_bundle
 from stylephase.report import played
 from stylephase.report.played import (
+    Aside,
     Crowd,
     Found,
     FromOneClip,
@@ -38,6 +39,9 @@ def arms(wrong: float, led: float) -> Arms:
     return Arms(np.full(ROWS, 0.02), np.zeros(ROWS), np.full(ROWS, wrong), np.full(ROWS, led))
 
 
+LEFT = Going(1.0, 0.5)
+
+
 def good() -> Found:
     seen = {"raw": looks(0.15, 30, 16.0), "grounded": looks(0.1, 30), "finished": looks(0.001, 35)}
     seen |= {"scrambled": looks(0.4, 120), "sudden": looks(0.0, 90)}
@@ -55,6 +59,8 @@ def good() -> Found:
         costs=costs,
         wanted=speeds,
         led=1.02 * speeds,
+        gaits={"walk": (20, 20), "run": (19, 20)},
+        aside=[Aside("s0", "walk-left", LEFT, Going(1.05, 0.6), Going(1.0, 0.0))],
         endured=held,
         alone=held,
         one_clip=FromOneClip(held, "lpn-film"),
@@ -86,6 +92,7 @@ def test_what_is_good_is_reproduced():
         ("m22-fig1-many-styles", lambda f: {"crowd": replace(f.crowd, dealt=90)}),
         ("m22-arbitrary-length", lambda f: {"one_clip": FromOneClip([replace(f.alone[0], broken="x")] * 8, "lpn")}),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"finished": looks(0.15, 35)}}),
+        ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"grounded": looks(0.001, 35)}}),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"scrambled": looks(0.001, 35)}}),
         ("m22-demo-arm-ik", lambda f: {"more_wrong": (0.0, -0.01, 0.01)}),
         ("m22-demo-arm-ik", lambda f: {"half": arms(0.05, 0.04)}),
@@ -97,6 +104,9 @@ def test_what_is_good_is_reproduced():
         ("ours-play-bones", lambda f: {"looks": f.looks | {"finished": looks(0.001, 35, 1.0)}}),
         ("ours-play-finishing-cost", lambda f: {"costs": {"finishing": 2.0, "network": 2.0}}),
         ("ours-play-speeds", lambda f: {"led": 1.2 * f.wanted}),
+        ("ours-play-gaits", lambda f: {"gaits": {"walk": (20, 20), "run": (10, 20)}}),
+        ("ours-play-aside", lambda f: {"aside": [replace(f.aside[0], ours=f.aside[0].ahead)]}),
+        ("ours-play-aside", lambda f: {"aside": [replace(f.aside[0], ours=Going(0.7, 0.5))]}),
         ("ours-play-endurance", lambda f: {"endured": [replace(f.endured[0], broken="too fast"), *f.endured[1:]]}),
         ("ours-play-crowd-recognised", lambda f: {"recognised": 0.4}),
     ],
@@ -104,6 +114,15 @@ def test_what_is_good_is_reproduced():
 def test_what_is_not_differs(claim, change):
     found = good()
     assert verdicts(replace(found, **change(found)))[claim] == "differs"
+
+
+def test_speeds_are_counted_by_gait():
+    found = played.reached_by_gait(["walk", "run", "walk"], np.array([1.05, 0.5, 1.2]))
+    assert found == {"walk": (1, 2), "run": (0, 1)}
+
+
+def test_without_takes_aside_there_is_nothing_to_test():
+    assert verdicts(replace(good(), aside=[]))["ours-play-aside"] == "not testable here"
 
 
 def test_without_a_style_network_one_clip_cannot_be_tested():
