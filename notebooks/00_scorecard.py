@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Where the replication stands
 #
-# Opens the series. Paper: both papers, [M18] and [M22], all sections. Time: seconds with every preset.
+# Opens the series. Paper: both papers, [M18] and [M22], all sections. Time: under a minute with every preset.
 #
 # **stylephase** rebuilds two papers on the way people walk:
 #

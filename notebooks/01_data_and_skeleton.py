@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Data and skeleton
 #
-# Paper: [M22], Section 3, Table 1 and Figure 2. Time: 1 minute on the synthetic walker, 3 minutes on `bandai-namco`,
-# whose thousand files are all read.
+# Paper: [M22], Section 3, Table 1 and Figure 2. Time, with every preset: 1 minute on the synthetic walker,
+# 3 minutes on `bandai-namco`, whose thousand files are all read.
 #
 # Whose motion is learned from, how much of it is there, on which skeleton, and what of it does the network see? The
 # paper's own data, 100STYLE, are public; only their table of contents travels with this project.

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Local motion phases
 #
-# Paper: [M22], Section 4.1 and Figure 4. Time: 2 minutes on the synthetic walker, 5 minutes on `bandai-namco`.
+# Paper: [M22], Section 4.1 and Figure 4. Time, with every preset: 2 minutes on the synthetic walker, 5 minutes on
+# `bandai-namco`.
 #
 # A phase says how far a movement has come in its cycle. The network is told four, one for each hand and foot, and they
 # alone decide which of its experts speak. What is a phase read from, how, and how far is it from the truth?

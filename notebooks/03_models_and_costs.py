@@ -14,7 +14,7 @@
 # %% [markdown]
 # # Models and costs
 #
-# Paper: [M22], Section 4 (Fig. 3), Table 2 and Section 5.3.1. Time: 1 minute.
+# Paper: [M22], Section 4 (Fig. 3), Table 2 and Section 5.3.1. Time: 1 minute with every preset.
 #
 # The paper's seven networks differ in two things only: what decides how the weights are blended, and how the style
 # enters. What does each cost, in parameters and in time, and is the table right?

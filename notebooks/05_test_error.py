@@ -14,8 +14,8 @@
 # %% [markdown]
 # # The test error of seven models, and what it is worth
 #
-# Paper: [M22], Section 5.2.2 (Figure 10). Time: half a minute, after a training of each model (half a minute and half
-# an hour).
+# Paper: [M22], Section 5.2.2 (Figure 10). Time: half a minute with every preset, after a training of each model
+# (half a minute and half an hour).
 #
 # Three backbones (PFNN, MANN, LPN) and three ways for style to enter (one-hot, residual adapter, FiLM) make the seven
 # models of the paper. They are trained here on the same frames with the same budget, and tested on unseen frames of

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Global phase and PFNN
 #
-# Paper: [M18], Sections 3.1 and 5.1. Time: 1 minute, on `pfnn` as on the synthetic walker.
+# Paper: [M18], Sections 3.1 and 5.1. Time: 1 minute with every preset, on `pfnn` as on the synthetic walker.
 #
 # The weights of the network of 2018 change with one number, the phase: 0 where the right foot comes down, pi where the
 # left one does. How do the weights follow it, and how well is it read without a person who looks at every step? With

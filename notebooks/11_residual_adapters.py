@@ -14,7 +14,7 @@
 # %% [markdown]
 # # Residual adapters
 #
-# Paper: [M18], Sections 3.2, 6 and 7.1, Table 1. Time: 1 minute.
+# Paper: [M18], Sections 3.2, 6 and 7.1, Table 1. Time: 1 minute with every preset.
 #
 # A style is a small network beside the big one: a full matrix, a diagonal, or a CP decomposition. How small may it be?
 # Here are form, memory, time and training; what adapters learn is told in notebook 12.

@@ -13,6 +13,7 @@ from papermill.exceptions import PapermillExecutionError
 
 from stylephase.errors import InputError
 from stylephase.report import notebooks
+from stylephase.report.made import admitted
 from stylephase.report.notebooks import Clock, NotebookFailed, main, run
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -274,8 +275,9 @@ class TestSeries:
         assert script_faults(ROOT / "notebooks" / f"{name}.py") == []
 
     @pytest.mark.parametrize("name", SERIES)
-    def test_a_committed_copy_is_the_script_executed(self, name):
-        assert copy_faults(ROOT / "notebooks" / f"{name}.py") == []
+    def test_a_committed_copy_is_the_script_executed_unless_it_is_admitted_to_be_older(self, name):
+        faults = copy_faults(ROOT / "notebooks" / f"{name}.py")
+        assert faults == [] or (name in admitted(ROOT) and faults == ["its cells are not those of the script"])
 
     @pytest.mark.parametrize("name", SERIES)
     def test_what_a_script_imports_is_there(self, name):
