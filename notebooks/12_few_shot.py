@@ -581,8 +581,8 @@ table(
 
 # %%
 Markdown(
-    f"{len(longer.names)} styles. By how much more the {largest} adapter gains from {counts[-1]} cycles than the diagonal "
-    f"does: {larger_gains} cm."
+    f"{len(longer.names)} styles. By how much more the {largest} adapter gains from {counts[-1]} cycles than the "
+    f"diagonal one does: {larger_gains} cm."
 )
 
 # %% [markdown]
