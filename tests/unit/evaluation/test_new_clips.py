@@ -18,7 +18,7 @@ def store() -> VectorStore:
 
 def test_as_many_cycles_as_asked_for_are_learned_from_walks_alone(store):
     found = long_style(store, "Plain", 3)
-    takes = np.unique(found.clip.take)
+    takes = np.unique(found.clip.take).tolist()
     assert sum(len(cycles_of(found.clip, take)) for take in takes) >= 3
     assert all(gait in WALKS for gait in found.clip.gaits) and len(found.clip.gaits) == len(takes)
     for unseen in found.unseen.values():
