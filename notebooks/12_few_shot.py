@@ -548,19 +548,19 @@ figure(
 # turns that it has not seen.
 
 # %%
-counts = (1, 3) if quick else (1, 2, 5, 10, 25)
+lots = (1, 3) if quick else (1, 2, 5, 10, 25)
 sizes = {"diagonal": FewShot("diagonal"), "CP": FewShot()}
 if not quick:
     sizes |= {"CP, 3 factors": FewShot(factors=3), "CP, 100 factors": FewShot(factors=100), "full": FewShot("full")}
 others_known = [name for name in base.styles if name != neutral]
-longer = long_study(store, neutral_base, others_known[:2] if quick else others_known, counts[-1])
+longer = long_study(store, neutral_base, others_known[:2] if quick else others_known, lots[-1])
 
 
 def far_from_unseen(label: str, how: FewShot, cycles: int) -> np.ndarray:
     return np.minimum(learned(longer, label, how, schedule, cycles=cycles).found.over(WALKING + TURNING), 100)
 
 
-by_count = {label: {n: far_from_unseen(label, how, n) for n in counts} for label, how in sizes.items()}
+by_count = {label: {n: far_from_unseen(label, how, n) for n in lots} for label, how in sizes.items()}
 count_curves = {label: {n: share(one) for n, one in errors.items()} for label, errors in by_count.items()}
 alt = "Mean pose error over the number of cycles, a line for each size of the adapter, with intervals over styles."
 figure(
@@ -570,18 +570,18 @@ figure(
 )
 
 # %%
-few_many = {label: difference(errors[counts[-1]], errors[1], rng) for label, errors in by_count.items()}
+few_many = {label: difference(errors[lots[-1]], errors[1], rng) for label, errors in by_count.items()}
 largest = list(sizes)[-1]
-gap = {n: by_count[largest][n] - by_count["diagonal"][n] for n in (1, counts[-1])}
-larger_gains = difference(gap[counts[-1]], gap[1], rng)
+gap = {n: by_count[largest][n] - by_count["diagonal"][n] for n in (1, lots[-1])}
+larger_gains = difference(gap[lots[-1]], gap[1], rng)
 table(
-    ("adapter", *(f"{n} cycles (cm)" for n in counts), f"{counts[-1]} less 1 (cm)"),
-    *((label, *(f"{errors[n].mean():.1f}" for n in counts), few_many[label]) for label, errors in by_count.items()),
+    ("adapter", *(f"{n} cycles (cm)" for n in lots), f"{lots[-1]} less 1 (cm)"),
+    *((label, *(f"{errors[n].mean():.1f}" for n in lots), few_many[label]) for label, errors in by_count.items()),
 )
 
 # %%
 Markdown(
-    f"{len(longer.names)} styles. By how much more the {largest} adapter gains from {counts[-1]} cycles than the "
+    f"{len(longer.names)} styles. By how much more the {largest} adapter gains from {lots[-1]} cycles than the "
     f"diagonal one does: {larger_gains} cm."
 )
 
