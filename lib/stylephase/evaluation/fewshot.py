@@ -15,7 +15,7 @@ from stylephase.evaluation.circles import Courses, walk_courses
 from stylephase.evaluation.comparison import interval_of
 from stylephase.evaluation.driven import SETTLE, Driven, apart, cycle_of, drive, recorded_part
 from stylephase.evaluation.measures import Reference, fast_share, other_style
-from stylephase.evaluation.new_clips import NewStyle, gaits_of, new_style
+from stylephase.evaluation.new_clips import NewStyle, gaits_of, long_style, new_style
 from stylephase.evaluation.rollouts import start_of, walking_speed
 from stylephase.evaluation.stretches import Stretch, generated, recorded
 from stylephase.features.clips import WALKS
@@ -25,8 +25,10 @@ from stylephase.models.bundle import Bundle
 from stylephase.runtime.controller import State
 from stylephase.training.fewshot import FewShot, Lesson, Schedule, add_styles
 
-# Gaits of unseen takes that are walks on other ways, and those that are runs; of the rest nobody was shown the like.
+# Gaits of unseen takes that are walks on other ways, those that turn, and those that are runs; of the rest nobody was
+# shown the like.
 WALKING = ("walk, another take", "walk-left", "walk-right", "SW", "BW")
+TURNING = ("walk-turn-left", "walk-turn-right")
 RUNNING = ("run", "dash", "FR", "SR", "BR")
 # Frames that an unseen take needs beyond those that settle, and recorded walks of a base style that are looked at.
 _FEWEST, _WALKS = 40, 6
@@ -119,6 +121,12 @@ class Study:
 def study_of(store: VectorStore, base: Bundle, names: Sequence[str], neutral: str) -> Study:
     """The new styles with a clip of each; those without a walk to learn from are an error."""
     return Study(store, base, tuple(new_style(store, name) for name in names), neutral)
+
+
+def long_study(store: VectorStore, base: Bundle, names: Sequence[str], cycles: int) -> Study:
+    """Styles that a base of one style does not know, with so many cycles of each to learn from."""
+    (neutral,) = base.styles
+    return Study(store, base, tuple(long_style(store, name, cycles) for name in names), neutral)
 
 
 def first_take(style: StyleVectors, gaits: Sequence[str] = WALKS) -> StyleVectors:

@@ -67,8 +67,26 @@ def new_style(store: VectorStore, name: str, seconds: float = LONGEST) -> NewSty
         symmetric, gait = vectors.symmetric, kept[chosen][0].gait
         clip = clip_vectors(moving, name, body, store.phases, catalogue.dataset.name, symmetric=symmetric, gait=gait)
         if len(cycles_of(clip)):
-            return NewStyle(name, moving, clip, turned, _unseen(vectors, chosen))
+            return NewStyle(name, moving, clip, turned, _unseen(vectors, [chosen]))
     raise InputError(f"style {name!r} has no walk with a whole cycle to learn from")
+
+
+def long_style(store: VectorStore, name: str, cycles: int) -> NewStyle:
+    """So many cycles of a style or a few more: its first walks one after the other, and its other takes.
+
+    A single clip of a few seconds has a handful ([M18] Table 2 goes up to 25). Raises InputError where the style has
+    fewer.
+    """
+    vectors, catalogue = store.load(name), store.catalogue
+    walks = [k for k, gait in enumerate(vectors.gaits) if gait in WALKS]
+    total = np.cumsum([len(cycles_of(vectors, take)) for take in walks])
+    if not len(total) or total[-1] < cycles:
+        raise InputError(f"style {name!r} has fewer than the {cycles} cycles of walking that are to be learned")
+    learned = walks[: int(np.searchsorted(total, cycles)) + 1]
+    rows = np.flatnonzero(np.isin(vectors.take, learned))
+    entry = next(entry for entry in catalogue.of(name) if entry.gait in WALKS)
+    moving = load_clip(entry, catalogue.dataset, fps=FPS, skeleton=store.body.skeleton)
+    return NewStyle(name, moving, take_rows(vectors, rows), 0.0, _unseen(vectors, learned))
 
 
 def straightest(clip: Clip, seconds: float) -> tuple[Clip, float]:
@@ -82,25 +100,24 @@ def straightest(clip: Clip, seconds: float) -> tuple[Clip, float]:
     return clip.frames(best, best + frames), turned
 
 
-def _unseen(style: StyleVectors, learned: int) -> dict[str, StyleVectors]:
-    """Takes other than the one that is learned from, one of each gait."""
+def _unseen(style: StyleVectors, learned: Sequence[int]) -> dict[str, StyleVectors]:
+    """Takes other than those that are learned from, one of each gait."""
     found: dict[str, StyleVectors] = {}
     for k, gait in enumerate(style.gaits):
         rows = np.flatnonzero(style.take == k)
         name = "walk, another take" if gait in WALKS else gait
-        if k != learned and len(rows) >= _SHORTEST * FPS and name not in found:
+        if k not in learned and len(rows) >= _SHORTEST * FPS and name not in found:
             found[name] = take_rows(style, rows)
     return found
 
 
 def take_rows(style: StyleVectors, rows: ndarray) -> StyleVectors:
-    """Some rows of one take as vectors of their own."""
-    gait, nothing = style.gaits[style.take[rows[0]]], np.zeros(len(rows), dtype=int)
+    """Some rows of a style as vectors of their own, all of which train; their takes are numbered anew."""
+    takes, take = np.unique(style.take[rows], return_inverse=True)
     kinds = ("x", "p", "y", "phase", "phase_update")
     arrays = {kind: getattr(style, kind)[rows] for kind in kinds}
-    return StyleVectors(
-        style=style.style, symmetric=style.symmetric, gaits=(gait,), take=nothing, part=nothing, **arrays
-    )
+    gaits, part = tuple(style.gaits[k] for k in takes), np.zeros(len(rows), dtype=int)
+    return StyleVectors(style=style.style, symmetric=style.symmetric, gaits=gaits, take=take, part=part, **arrays)
 
 
 def places_of(x: Float[ndarray, "rows inputs"], pose: slice) -> Float[ndarray, "rows joints 3"]:

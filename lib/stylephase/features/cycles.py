@@ -38,3 +38,15 @@ def cycles_of(style: StyleVectors, take: int = 0) -> Cycles:
     downs = [rows[0] + touchdowns(contacts[:, foot], FPS) + 1 for foot in range(2)]
     foot = int(len(downs[1]) > len(downs[0]))
     return Cycles(downs[foot], FEET[foot])
+
+
+def cycle_rows(style: StyleVectors, count: int | None = None) -> Int[ndarray, " rows"]:
+    """Rows of the first `count` whole cycles, or of all, take after take; none where there is no cycle."""
+    found, left = [np.arange(0)], np.inf if count is None else count
+    for take in np.unique(style.take).tolist():
+        cycles = cycles_of(style, take)
+        found.append(cycles.rows(int(min(left, len(cycles)))))
+        left -= len(cycles)
+        if left <= 0:
+            break
+    return np.concatenate(found)

@@ -15,7 +15,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from stylephase.errors import InputError
-from stylephase.features.cycles import cycles_of
+from stylephase.features.cycles import cycle_rows
 from stylephase.features.store import StyleVectors, for_gate
 from stylephase.models.adapters import CpLayer
 from stylephase.models.bundle import Bundle, build_network
@@ -107,7 +107,7 @@ def lesson_rows(style: StyleVectors, scaling: Scaling, cycles: int | None) -> di
 
     Raises InputError where the clip has no whole cycle.
     """
-    rows = cycles_of(style).rows(cycles)
+    rows = cycle_rows(style, cycles)
     if not len(rows):
         raise InputError(f"no walking cycle in the clip of {style.style}: neither foot comes down twice")
     parts = {kind: torch.from_numpy(getattr(style, kind)[rows]) for kind in "xpy"}
