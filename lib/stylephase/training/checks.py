@@ -4,7 +4,6 @@ import numpy as np
 import torch
 
 from stylephase.training.loop import Trainer
-from stylephase.training.losses import bone_length_loss, squared_error
 
 _ROWS = 64
 
@@ -29,10 +28,10 @@ def off_from_equation_5(trainer: Trainer, seed: int = 0) -> float:
 
     The mean of squares over all outputs, and over all bones the difference of their lengths in metres.
     """
-    y = trainer.sampler.draw_frames(np.zeros(1, dtype=int), _ROWS).y
+    chosen = np.zeros(1, dtype=int)
+    y = trainer.sampler.draw_frames(chosen, _ROWS).y
     predicted = y + torch.randn(y.shape, generator=torch.Generator().manual_seed(seed))
-    weight = trainer.preset.bone_weight
-    ours = squared_error(y, predicted) + weight * bone_length_loss(y, predicted, trainer.lengths, trainer.scaling)
+    ours, weight = trainer.loss(y, predicted, chosen)[0], trainer.preset.bone_weight
     mean, std = trainer.normaliser.y_mean, trainer.normaliser.y_std
     lengths = [_bones(rows.numpy().astype(float) * std + mean, trainer) for rows in (y, predicted)]
     written = np.square((predicted - y).numpy()).mean() + weight * np.abs(lengths[0] - lengths[1]).mean()

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from stylephase.errors import InputError
@@ -156,6 +157,14 @@ class Trainer:
             total = total + how.style_l1 * torch.stack(own).mean()
         return total
 
+    def loss(
+        self, y: Float[Tensor, "rows outputs"], predicted: Float[Tensor, "rows outputs"], chosen: np.ndarray
+    ) -> tuple[Tensor, Tensor, Tensor]:
+        """The loss of a step of some styles, and its parts: squared error and bone-length error ([M22] Eq. 5)."""
+        mse = squared_error(y, predicted)
+        bll = bone_length_loss(y, predicted, self.lengths, self.scaling)
+        return mse + self.preset.bone_weight * bll + self.l1_terms(chosen), mse, bll
+
     def _codes(self, chosen: np.ndarray) -> Tensor:
         """Codes of the styles drawn: of a clip of each, or which style it is."""
         if self.generator is None:
@@ -170,10 +179,9 @@ class Trainer:
         spread = codes.repeat_interleave(self.preset.frames_per_style, dim=0)
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=self.preset.mixed):
             predicted = self._forward["synthesis"](x, p, spread)
-        mse = squared_error(y, predicted)
-        bll = bone_length_loss(y, predicted, self.lengths, self.scaling)
+        loss, mse, bll = self.loss(y, predicted, chosen)
         self.optimisers["synthesis"].zero_grad(set_to_none=True)
-        (mse + self.preset.bone_weight * bll + self.l1_terms(chosen)).backward()
+        loss.backward()
         self.optimisers["synthesis"].step()
         return mse.item(), bll.item()
 
