@@ -30,7 +30,7 @@ from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
 from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
 from stylephase.runtime.speeds import mixed_gain, mixed_speed
 from stylephase.runtime.walkers import drive, load_any, walker_of
-from stylephase.runtime.ways import Way, watched, way_of
+from stylephase.runtime.ways import Watched, Way, way_of
 
 # The movies of report.render, which is only loaded to make one.
 MOVIES = (".mp4", ".gif")
@@ -162,7 +162,7 @@ def _walk(
     else:
         start, gain, wanted = walker.start(codes, speed), np.array([push * speed]), np.array([speed])
     asked = plan(gain)
-    seen = watched(asked)
+    seen = Watched(asked)
     run = drive(walker, codes, start, frames, at_pace(seen, wanted), finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")

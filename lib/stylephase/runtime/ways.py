@@ -48,11 +48,6 @@ class Watched:
         return wish
 
 
-def watched(plan: Plan) -> Watched:
-    """The plan, watched from the first frame on."""
-    return Watched(plan)
-
-
 def way_of(run: Rollout, character: int, plan: Plan, off: list[float]) -> Way:
     """The way of one character under a plan; the first second only settles where there is more."""
     places, angles = run.root_positions[:, character], run.root_angles[:, character]
