@@ -17,9 +17,8 @@
 # Paper: [M22], Section 4.4 and Figure 1. Time: preset quick half a minute, preset cpu 40 minutes with the crowd of the
 # authors' network, on a machine in use.
 #
-# A trained network, a keyboard and a triangle of three styles make a character that one can drive. Open this notebook
-# in JupyterLab, run it, and click the picture of the last but one section: W, A, S, D move, Q and E turn, Shift runs.
-# Before that, the same is done by scripted keys, so that it can be measured.
+# A trained network, a keyboard and a triangle of three styles make a character that one can drive: run the first cells
+# and drive a zombie. Then the same is done by scripted keys, so that it can be measured.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # data set the network was trained on
@@ -52,15 +51,34 @@ from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, crowd, grid, movie
+from stylephase.report.show import figure
 from stylephase.report.walks import pick
 from stylephase.runtime.graph import FastNetwork, to_onnx
 from stylephase.runtime.keyboard import RELEASE_KEYS, KeySettings
+from stylephase.runtime.mixtures import CORNERS
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.player import Player
 from stylephase.runtime.viewer import Viewer
 from stylephase.runtime.walkers import NetworkWalker
 
+# %% [markdown]
+# ## A zombie, at once
+#
+# Weights that lie with the code, of the paper's hundred styles (trained on motion that the authors' network generated):
+# neither data nor training are needed. Click the picture: W, A, S, D move, Q and E turn, Shift runs; drag the point of
+# the triangle to mix the three styles. Without a kernel a recorded walk is played.
+
+# %%
+zombie = Player(load_weights(str(ROOT / "data/pretrained/lpn-rollouts")), ("Zombie", "Old", "HighKnees"))
+zombie.mix(CORNERS[0])
+walk = played.scripted(zombie, [("w", 6)])
+Viewer(zombie, recording=played.recording(walk))
+
+# %% [markdown]
+# ## The network that is measured
+
+# %%
 name = dataset.replace(":", "-").replace("/", "-")
 runs = sorted((ROOT / runs_folder).glob(f"{name}-{preset}-{model}-seed*/evaluation.json"))
 folder = ROOT / weights if weights else runs[0].parent
@@ -217,12 +235,17 @@ Markdown("; ".join(f"{part}: {ms:.2f} ms" for part, ms in costs.items()) + f"; 8
 player = Player(bundle, corners, speed=float(np.median(wanted)), curves=curves)
 player.mix((0.0, 0.0))
 script = [("w", 4), ("wq", 2), ("d", 3), (["w", "shift"], 3), ("", 2)]
-states = played.scripted(player, script)
+states, held = played.scripted(player, script), played.held_at_each(script)
 motion = played.motion_of(states, bundle.body, corners[0])
-alt = "The character walks, turns left, goes diagonally ahead, runs and stops; one picture about every second."
-picture = grid([motion], Layout(frames=15, scale=60, view="three-quarter", travelled=True))
+alt = "The character walks, turns left, goes diagonally ahead, runs and stops; one pose about every second."
+captions = tuple(held[int(k)] for k in np.linspace(0, len(held) - 1, 14))
+picture = grid([motion], Layout(frames=14, scale=60, view="three-quarter", captions=captions))
 write_png(figures / "09_play-keys.png", picture, alt=alt)
 Image(figures / "09_play-keys.png", alt=alt)
+
+# %%
+alt = "The same way from above, coloured by the keys that are held, with strokes where the character faces."
+figure(played.track_plot(states, held), figures / "09_play-track.png", alt)
 
 # %%
 movie(figures / "09_play.mp4", motion.frames(120, min(len(motion), 600)), fps=30, size=(256, 224))
@@ -259,8 +282,9 @@ mixed = [character.mixing(each, 12.0) for each in threes]
 mixing = np.array([[found[which] for which in ("changing", "held", "jumping")] for found in mixed])
 round_trip = played.round_trip(player, corners, 12.0)
 motion = played.motion_of(round_trip, bundle.body, "three styles")
-alt = "A walk whose style goes round a triangle of three styles in twelve seconds, one picture a second."
-write_png(figures / "09_play-mixture.png", grid([motion], Layout(frames=12, scale=70)), alt=alt)
+alt = f"A walk whose style goes in twelve seconds from {corners[0]} to {corners[1]}, {corners[2]} and back."
+captions = tuple(["" if k % 4 else corners[k // 4 % 3] for k in range(13)])
+write_png(figures / "09_play-mixture.png", grid([motion], Layout(frames=13, scale=70, captions=captions)), alt=alt)
 Image(figures / "09_play-mixture.png", alt=alt)
 
 # %%
@@ -345,8 +369,8 @@ Markdown("\n".join(f"* {row.name}: {row.ours:.0f}, {row.ratio:.1f} times one by 
 # %% [markdown]
 # ## Drive it
 #
-# Click the picture and use the keys; drag the point of the triangle, choose styles, draw a path on the ground. Without
-# a kernel the recorded run of above is all that there is.
+# As the zombie above; styles can be chosen too, and a path drawn on the ground. Without a kernel the scripted run is
+# played.
 
 # %%
 Viewer(player, recording=played.recording(states))

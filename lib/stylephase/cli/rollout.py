@@ -21,11 +21,13 @@ from stylephase.models.bundle import Bundle
 from stylephase.models.released import RELEASE
 from stylephase.models.released_pfnn import PFNN_RELEASE, ReleasedPfnn
 from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.motion.root import Root
 from stylephase.runtime import controller
 from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.export import FORMATS, write_motion
 from stylephase.runtime.finishing import RAW, Finishing
 from stylephase.runtime.pace import at_pace
+from stylephase.runtime.paths import Recorded, read_walk, record_of
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
 from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
 from stylephase.runtime.speeds import mixed_gain, mixed_speed
@@ -37,8 +39,9 @@ MOVIES = (".mp4", ".gif")
 _WRITTEN = (*FORMATS, *MOVIES)
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
-# Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near.
-_MOST_TURN, _NEAR = 720.0, 0.1
+# Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near. Whose mean
+# speed is below this (m/s) goes nowhere.
+_MOST_TURN, _NEAR, _STANDS = 720.0, 0.1, 0.05
 _SHORTEST, _LONGEST = 0.1, 3600.0
 # Some styles keep to a shuffle or a run in which they began: whose speed is off begins at that speed and is wished more
 # of it. A style that was learned from little may run where its standing foot leads it: who is off still is tried
@@ -51,11 +54,19 @@ def rollout(
     weights: Annotated[str, typer.Option(help="Folder of weights, `release` for the authors' own, or `pfnn-release`.")],
     style: Annotated[str, typer.Option(help="A style, or a mixture: NAME:weight,...; of `pfnn-release` a gait.")],
     out: Annotated[Path, typer.Option(help=f"File to write: {', '.join(_WRITTEN)}.")],
-    seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 10.0,
+    seconds: Annotated[
+        float | None, typer.Option(help="Length of the motion; 10, or that of a recorded walk.", show_default=False)
+    ] = None,
     path: Annotated[
         Path | None, typer.Option(help="Text file of ground points to follow: x z in metres a line.")
     ] = None,
-    speed: Annotated[float, typer.Option(help="Walking speed in m/s.")] = 1.0,
+    walked: Annotated[
+        Path | None,
+        typer.Option("--way-of", help="BVH file of a walk: go where it went, as fast and facing as it did."),
+    ] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="Walking speed in m/s; 1, or that of a recorded walk.", show_default=False)
+    ] = None,
     turn: Annotated[float, typer.Option(help="Degrees per second to the left.")] = 0.0,
     strafe: Annotated[float, typer.Option(help="Degrees between facing and way, positive to the left.")] = 0.0,
     raw: Annotated[
@@ -68,14 +79,22 @@ def rollout(
     Holden's PFNN of 2017 (`pfnn-release`) has no styles but gaits, from the mean pose on. With `--raw` the authors'
     weights walk under the authors' own controller.
     """
+    if walked is not None and (path is not None or speed is not None or turn or strafe):
+        raise InputError(
+            "--way-of says where to go and how fast; it goes with none of --path, --speed, --turn, --strafe"
+        )
+    points, record = None if path is None else read_path(path), None if walked is None else read_walk(walked)
+    speed = _speed_of(record, walked) if speed is None else speed
+    seconds = (10.0 if record is None else len(record) / FPS) if seconds is None else seconds
     _check(out, seconds, speed, (turn, strafe), path)
-    points = None if path is None else read_path(path)
     frames = round(seconds * FPS)
 
     def plan(gain: Float[ndarray, "1"]) -> Plan:
-        if points is None:
-            return Steady(gain, np.radians(turn), np.radians(strafe))
-        return FollowPath(points, gain, stops=True)
+        if record is not None:
+            return record_of([record], gain / speed)
+        if points is not None:
+            return FollowPath(points, gain, stops=True)
+        return Steady(gain, np.radians(turn), np.radians(strafe))
 
     with tqdm(desc=out.name, total=frames, unit="frame", disable=None) as bar:
         trial = count(1)
@@ -97,7 +116,7 @@ def rollout(
     result |= {"raw": raw, "grounded": walk.grounded, "asked": speed, "near": _off(walk.speed, speed) <= _NEAR}
     result |= {"way": walk.way.to_json(), "asked_way": {"strafe": strafe, "turn": turn}}
     text = f"{out}: {len(walk.clip)} frames of {style} at {walk.speed:.2f} m/s (asked: {speed:.2f}, "
-    text += f"gain {walk.gain:.2f}){_way_text(walk.way, strafe, turn)}"
+    text += f"gain {walk.gain:.2f}){_way_text(walk.way, strafe, turn, recorded=record is not None)}"
     if not result["near"]:
         text += "; not within 10 % of that speed"
     if not raw and not walk.grounded:
@@ -105,11 +124,23 @@ def rollout(
     emit(result, as_json=as_json, text=text)
 
 
-def _way_text(way: Way, strafe: float, turn: float) -> str:
+def _speed_of(record: Root | None, file: Path | None) -> float:
+    """Mean speed (m/s) of a recorded walk, or what is usual; raises InputError for a record that stays in one place."""
+    if record is None:
+        return 1.0
+    speed = speed_of(record.positions)
+    if not speed > _STANDS:
+        raise InputError(f"goes nowhere: {speed:.2f} m/s in the mean", file)
+    return speed
+
+
+def _way_text(way: Way, strafe: float, turn: float, *, recorded: bool) -> str:
     """How far the way is what was asked for, where something was."""
     text = f", {way.strafe:.0f}° aside (asked: {strafe:.0f}°)" if strafe else ""
     text += f", turning {way.turn:.0f}°/s (asked: {turn:.0f}°/s)" if turn else ""
-    if way.off is not None:
+    if recorded:
+        text += f", at most {way.off:.1f} m from where the recorded walk was"
+    elif way.off is not None:
         text += f", at most {way.off:.1f} m off the path, "
         text += "whose end was not reached" if way.arrived is None else f"at its end after {way.arrived:.1f} s"
     return text
@@ -163,7 +194,9 @@ def _walk(
         start, gain, wanted = walker.start(codes, speed), np.array([push * speed]), np.array([speed])
     asked = plan(gain)
     seen = Watched(asked)
-    run = drive(walker, codes, start, frames, at_pace(seen, wanted), finishing, tick)
+    # A recorded walk has speeds of its own, and leads back to its place.
+    led = seen if isinstance(asked, Recorded) else at_pace(seen, wanted)
+    run = drive(walker, codes, start, frames, led, finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
     clip, way = to_clip(run, 0, walker.body, name), way_of(run, 0, asked, seen.off)

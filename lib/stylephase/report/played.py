@@ -4,11 +4,14 @@ import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import torch
 from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy import ndarray
 from torch import Tensor
 
@@ -21,6 +24,7 @@ from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import Bundle, load_bundle
+from stylephase.report import palette, plots
 from stylephase.report.recorder import Recorder
 from stylephase.report.render.motion import Motion
 from stylephase.report.walks import walking_motion
@@ -51,6 +55,8 @@ OTHER = "reproduced on other data"
 _RELEASE_GAIN = 6.0
 # Noise on all weights, against their own deviation.
 _SHAKE = 2.0
+# Length (m) of the stroke that says where a character faces.
+_STROKE = 0.6
 
 
 def speed_table(styles: Sequence[str], wanted: ndarray, gains: ndarray, reached: ndarray) -> str:
@@ -61,7 +67,11 @@ def speed_table(styles: Sequence[str], wanted: ndarray, gains: ndarray, reached:
     return "\n".join(lines)
 
 
-def scripted(player: Player, script: Sequence[tuple[str | list[str], float | int]]) -> list[State]:
+# Keys that are held, and for how many seconds.
+Script = Sequence[tuple[str | list[str], float | int]]
+
+
+def scripted(player: Player, script: Script) -> list[State]:
     """States while keys are held, each group for some seconds."""
     states = []
     for keys, seconds in script:
@@ -69,6 +79,35 @@ def scripted(player: Player, script: Sequence[tuple[str | list[str], float | int
         states += [player.step() for _ in range(int(seconds * FPS))]
     player.hold(())
     return states
+
+
+def held_at_each(script: Script) -> list[str]:
+    """What is held in each frame of `scripted`, as one writes it: `Shift W`, and `no key`."""
+    words = [" ".join(key.title() for key in sorted(keys, key=len, reverse=True)) or "no key" for keys, _ in script]
+    return [word for word, (_, seconds) in zip(words, script, strict=True) for _ in range(int(seconds * FPS))]
+
+
+def track_plot(states: Sequence[State], held: Sequence[str]) -> Axes:
+    """The way from above, one colour for what is held, and every half second a stroke as the character faces."""
+    run = as_rollout(states)
+    places, angles = run.root_positions[:, 0], run.root_angles[:, 0]
+    changes = [0, *(k for k in range(1, len(held)) if held[k] != held[k - 1]), len(held)]
+    with plots.style():
+        axes = Figure(figsize=(7.2, 3.2)).subplots()
+        for k, (first, last) in enumerate(pairwise(changes)):
+            colour = palette.SEQUENCE[k % len(palette.SEQUENCE)]
+            part = places[first : last + 1]
+            # Ahead is to the right, so that a long way fits; the character's left is then above.
+            axes.plot(part[:, 1], part[:, 0], color=colour, linewidth=2.4, label=held[first])
+            at = slice(first, last, int(FPS / 2))
+            ends = places[at] + _STROKE * heading(angles[at])
+            axes.plot(places[at, 1], places[at, 0], "o", color=colour, markersize=4)
+            axes.plot(*np.stack([places[at], ends])[..., ::-1].transpose(2, 0, 1), color=palette.INK, linewidth=0.9)
+        axes.plot(*places[0, ::-1], "o", color=palette.INK, markersize=6, label="start")
+        axes.set(xlabel="ahead (m)", ylabel="to the left (m)")
+        axes.set_aspect("equal")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1))
+    return axes
 
 
 def round_trip(player: Player, styles: Sequence[str], seconds: float) -> list[State]:

@@ -1,7 +1,8 @@
 """Paths for many characters at once, paths drawn by hand, and a recorded walk that is walked again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -10,9 +11,10 @@ from scipy.ndimage import gaussian_filter1d
 
 from stylephase.errors import InputError
 from stylephase.features.layout import FPS
-from stylephase.runtime.controller import State
+from stylephase.motion.bvh import read_bvh
+from stylephase.motion.clip import forward_kinematics, resample
+from stylephase.motion.root import Root, root_of
 from stylephase.runtime.plans import OnPath, heading
-from stylephase.runtime.rollout import Rollout
 from stylephase.runtime.trajectory import Steering, unit_ground
 
 # Points of a path are so far apart (m). A character heads for the point so far ahead, and looks for where it is among
@@ -83,32 +85,55 @@ def _prolonged(path: Float[ndarray, "points 2"], count: int) -> Float[ndarray, "
     return np.concatenate([path, path[-1] + np.arange(1, count - len(path) + 1)[:, None] * step])
 
 
-@dataclass(frozen=True)
+@dataclass
 class Recorded:
     """Walk as a record does: its places (x, z), facings (rad) and times, at 60 frames a second; then stand.
 
-    The wish is the record's velocity, led back to its place, times `gains` (the gain that walks at 1 m/s).
+    The wish is the record's velocity, led back to its place, times `gains` (the gain that walks at 1 m/s). `off` holds
+    each character's present distance (m) from where the record is.
     """
 
     places: Float[ndarray, "frames characters 2"]
     facings: Float[ndarray, "frames characters"]
     gains: Float[ndarray, " characters"]
+    off: Float[ndarray, " characters"] = field(init=False)
 
     def __post_init__(self):
         if len(self.places) < 2 or not (np.isfinite(self.places).all() and np.isfinite(self.facings).all()):
             raise InputError("a recorded walk should have two frames or more, of finite numbers")
+        self.off = np.zeros(self.places.shape[1])
 
-    def __call__(self, frame: int, state: State) -> Steering:
+    def __call__(self, frame: int, state: OnPath) -> Steering:
         """What is wanted at a frame."""
+        self.off = np.linalg.norm(self.places[min(frame, len(self.places) - 1)] - state.path.root.positions, axis=1)
         k = min(frame, len(self.places) - 2)
         velocity = (self.places[k + 1] - self.places[k]) * FPS if frame < len(self.places) - 1 else 0.0
         back = (self.places[k + 1] - state.path.root.positions) / _CATCH_UP
         return Steering(self.gains[:, None] * (velocity + back), self.facings[k + 1])
 
 
-def record_of(run: Rollout, gains: Float[ndarray, " characters"]) -> Recorded:
-    """A rollout's own paths as a plan; each sways with the hips, so it is smoothed over half a second."""
-    smooth = gaussian_filter1d(run.root_positions, FPS / 4, axis=0, mode="nearest")
-    facing = np.stack([np.sin(run.root_angles), np.cos(run.root_angles)], axis=-1)
-    ahead = unit_ground(gaussian_filter1d(facing, FPS / 4, axis=0, mode="nearest"), facing)
+def record_of(roots: Sequence[Root], gains: Float[ndarray, " characters"]) -> Recorded:
+    """Where walks of one length went, at 60 frames a second, as a plan for a character each.
+
+    Roots sway with the hips, so they are smoothed over half a second.
+    """
+    places, facing = (
+        np.stack(part, axis=1) for part in zip(*((r.positions, r.directions) for r in roots), strict=True)
+    )
+    smooth, ahead = (gaussian_filter1d(part, FPS / 4, axis=0, mode="nearest") for part in (places, facing))
+    ahead = unit_ground(ahead, facing)
     return Recorded(smooth, np.arctan2(ahead[..., 0], ahead[..., 1]), gains)
+
+
+def read_walk(file: Path) -> Root:
+    """Where the character of a BVH file went, at 60 frames a second, from the origin on and facing +z at first.
+
+    Raises InputError as `read_bvh` does, and for a file of one frame.
+    """
+    clip = resample(read_bvh(file), FPS)
+    if len(clip) < 2:
+        raise InputError("a recorded walk should have two frames or more", file)
+    root = root_of(forward_kinematics(clip), clip.skeleton)
+    first, angle = root.positions[0], root.angles[0]
+    back = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return Root((root.positions - first) @ back.T, root.angles - angle)

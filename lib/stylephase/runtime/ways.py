@@ -7,6 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.features.layout import FPS
+from stylephase.runtime.paths import Recorded
 from stylephase.runtime.plans import FollowPath, OnPath, Plan
 from stylephase.runtime.rollout import Rollout
 from stylephase.runtime.trajectory import Steering
@@ -19,8 +20,8 @@ _OVER = int(FPS / 2)
 class Way:
     """Mean angle of the way to the facing (degrees, positive to the left) and turning (degrees a second, to the left).
 
-    `off` is the largest distance (m) from a path that was to be followed, `arrived` when its end was reached (s), None
-    for never; both are None where there was no path.
+    `off` is the largest distance (m) from a path that was to be followed, or from where a recorded walk was at that
+    moment; `arrived` is when a path's end was reached (s), None for never. Both are None where there was neither.
     """
 
     strafe: float
@@ -43,7 +44,7 @@ class Watched:
     def __call__(self, frame: int, state: OnPath) -> Steering:
         """What the plan wants."""
         wish = self.plan(frame, state)
-        if isinstance(self.plan, FollowPath):
+        if isinstance(self.plan, FollowPath | Recorded):
             self.off.append(float(self.plan.off[0]))
         return wish
 
@@ -56,10 +57,8 @@ def way_of(run: Rollout, character: int, plan: Plan, off: list[float]) -> Way:
     step = min(_OVER, len(places) - 1)
     strafe = np.degrees(_aside(places, angles, step)) if step else 0.0
     turn = np.degrees(angles[-1] - angles[0]) * FPS / max(len(angles) - 1, 1)
-    if not isinstance(plan, FollowPath):
-        return Way(float(strafe), float(turn))
-    arrived = int(plan.arrived[0])
-    return Way(float(strafe), float(turn), max(off), arrived / FPS if arrived >= 0 else None)
+    arrived = int(plan.arrived[0]) if isinstance(plan, FollowPath) else -1
+    return Way(float(strafe), float(turn), max(off, default=None), arrived / FPS if arrived >= 0 else None)
 
 
 def _aside(places: Float[ndarray, "frames 2"], angles: Float[ndarray, " frames"], step: int) -> float:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -70,6 +71,26 @@ class TestRollout:
             return call("rollout", "--out", tmp_path / out, *words, *flags)
 
         return run
+
+    def test_it_goes_where_a_recorded_walk_went(self, roll, tmp_path):
+        walked = tiny.take(turn=0.3).clip
+        write_bvh(tmp_path / "walked.bvh", walked)
+        found = told(roll("--json", **{"way-of": tmp_path / "walked.bvh", "seconds": "2"}))
+        assert found["frames"] == 120 and found["way"]["arrived"] is None
+        assert abs(found["asked"] - tiny.SPEED) < 0.1 and found["way"]["off"] >= 0
+
+    def test_a_recorded_walk_says_how_fast_and_where_to_by_itself(self, roll, tmp_path):
+        write_bvh(tmp_path / "walked.bvh", tiny.take().clip)
+        line = refused(roll(**{"way-of": tmp_path / "walked.bvh", "speed": "2"}))
+        assert line.startswith("--way-of says where to go") and not (tmp_path / "walk.bvh").exists()
+
+    @pytest.mark.parametrize("frames", [1, 40])
+    def test_a_recorded_walk_that_goes_nowhere_is_one_line_with_the_file(self, roll, tmp_path, frames):
+        clip = tiny.take().clip
+        places, turns = (part[:1].repeat(frames, 0) for part in (clip.root_positions, clip.rotations))
+        still = replace(clip, root_positions=places, rotations=turns)
+        write_bvh(tmp_path / "still.bvh", still)
+        assert "still.bvh" in refused(roll(**{"way-of": tmp_path / "still.bvh"}))
 
     def test_it_writes_a_walk_that_any_program_reads(self, roll, tmp_path):
         found = told(roll("--json", seconds="1.5"))

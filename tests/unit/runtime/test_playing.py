@@ -10,6 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stylephase.errors import InputError
+from stylephase.motion.bvh import write_bvh
+from stylephase.motion.clip import forward_kinematics
+from stylephase.motion.root import Root, root_of
 from stylephase.runtime import calibration, speeds
 from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.controller import Controller, ControllerSettings, State, input_of
@@ -17,7 +20,7 @@ from stylephase.runtime.finishing import RAW
 from stylephase.runtime.keyboard import RELEASE_KEYS, at_rest, steer_by_keys
 from stylephase.runtime.limits import FASTEST, MOST_WISH, limited, teleported, within_limits
 from stylephase.runtime.mixtures import CORNERS, barycentric, triangle_mixture
-from stylephase.runtime.paths import SPACING, FollowPaths, Recorded, drawn_path, even_path, record_of
+from stylephase.runtime.paths import SPACING, FollowPaths, Recorded, drawn_path, even_path, read_walk, record_of
 from stylephase.runtime.plans import FollowPath, Steady
 from stylephase.runtime.player import Player
 from stylephase.runtime.rig import rig_of
@@ -173,9 +176,23 @@ class TestPaths:
     def test_a_recorded_walk_is_walked_again(self):
         bundle, start = tiny.bundle(network=tiny.Obedient()), tiny.start([0])
         run = roll_out(bundle, tiny.codes(1), start, 300, Steady(np.array([1.2]), turn=0.5))
-        again = roll_out(bundle, tiny.codes(1), start, 300, record_of(run, np.ones(1)))
+        walked = Root(run.root_positions[:, 0], run.root_angles[:, 0])
+        again = roll_out(bundle, tiny.codes(1), start, 300, record_of([walked], np.ones(1)))
         apart = np.linalg.norm(again.root_positions - run.root_positions, axis=-1)
         assert apart.max() < 0.35 and np.linalg.norm(run.root_positions[-1]) > 2
+
+    def test_a_file_of_a_walk_is_read_from_the_origin_on_whichever_way_it_went(self, tmp_path):
+        clip = tiny.take(turn=0.4).clip
+        write_bvh(tmp_path / "walk.bvh", clip)
+        root = root_of(forward_kinematics(clip), clip.skeleton)
+        found = read_walk(tmp_path / "walk.bvh")
+        assert np.abs(found.positions[0]).max() < 1e-9 and abs(found.angles[0]) < 1e-9
+        assert abs(speed_of(found.positions) - speed_of(root.positions)) < 1e-3
+        np.testing.assert_allclose(np.diff(found.angles), np.diff(root.angles), atol=1e-4)
+        # The way's angle to the facing is the same from any side.
+        way = [np.diff(r.positions, axis=0) for r in (found, root)]
+        ahead = [(w * r.directions[:-1]).sum(axis=1) for w, r in zip(way, (found, root), strict=True)]
+        np.testing.assert_allclose(ahead[0], ahead[1], atol=1e-4)
 
     def test_past_its_end_a_recorded_walk_stands(self):
         plan = Recorded(np.zeros((5, 1, 2)), np.zeros((5, 1)), np.ones(1))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
@@ -27,6 +28,9 @@ _DPI = 100
 _FINER = 3
 _MARGIN = 12
 _LABEL_POINTS, _NOTE_POINTS = 12.0, 9.0
+# Room (pixels) for a line of captions, and how they look.
+_CAPTION = 18
+_CAPTIONED: dict[str, Any] = {"size": _NOTE_POINTS, "ha": "center", "va": "center"}
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,8 @@ class Layout:
     `view` is seen against the character's facing: side (from its right, so that it walks to the right), front or
     three-quarter. `spacing` (m) is the distance between two characters, by default the least at which they do not
     touch; with `travelled` it is the distance that they went. `scale` is in pixels per metre, `highlights` are joints
-    to ring, and `note` stands below each label in place of the time between two frames.
+    to ring, `note` stands below each label in place of the time between two frames, and of `captions` one stands below
+    each frame.
     """
 
     frames: int = 8
@@ -46,6 +51,7 @@ class Layout:
     scale: int = 120
     highlights: tuple[str, ...] = ()
     note: str | None = None
+    captions: tuple[str, ...] = ()
 
 
 def strip(motion: Motion, layout: Layout = Layout()) -> UInt8[ndarray, "height width 3"]:
@@ -61,19 +67,24 @@ def grid(motions: Sequence[Motion], layout: Layout = Layout()) -> UInt8[ndarray,
     """
     if not motions or layout.frames < 1:
         raise InputError(f"expected a motion and a frame to draw, found {len(motions)} and {layout.frames}")
+    if layout.captions and len(layout.captions) != layout.frames:
+        raise InputError(f"expected a caption for each of {layout.frames} frames, found {len(layout.captions)}")
     toward = toward_eye(layout.view, elevation=_ELEVATION)
     chosen = [np.linspace(0, len(motion) - 1, layout.frames).round().astype(int) for motion in motions]
     standing = [on_the_spot(motion, keep_turning=layout.travelled) for motion in motions]
     rooms = [_room(motion, at, toward) for (motion, _), at in zip(standing, chosen, strict=True)]
     spacing = layout.spacing or max(rooms)
-    rows = []
+    rows, middles = [], []
     for (motion, track), at in zip(standing, chosen, strict=True):
         places = track[at] @ _axes(toward)[0] if layout.travelled else spacing * np.arange(len(at))
-        rows.append(_row(motion, at, places, toward, layout))
+        row, middle = _row(motion, at, places, toward, layout)
+        rows.append(row)
+        middles.append(middle)
     notes = [
         _step(motion, at) if layout.note is None else layout.note for motion, at in zip(motions, chosen, strict=True)
     ]
-    return _labelled(rows, list(zip([motion.label for motion in motions], notes, strict=True)))
+    captions = [list(zip(middle, layout.captions, strict=False)) for middle in middles]
+    return _labelled(rows, list(zip([motion.label for motion in motions], notes, strict=True)), captions)
 
 
 def on_the_spot(motion: Motion, *, keep_turning: bool) -> tuple[Motion, Float[ndarray, "frames 3"]]:
@@ -113,8 +124,8 @@ def _row(
     places: Float[ndarray, " shown"],
     toward: Float[ndarray, " 3"],
     layout: Layout,
-) -> UInt8[ndarray, "height width 3"]:
-    """The frames `at`, each drawn with its hips at `places` (m from the row's start)."""
+) -> tuple[UInt8[ndarray, "height width 3"], Float[ndarray, " shown"]]:
+    """The frames `at`, each drawn with its hips at `places` (m from the row's start), and where those are (pixels)."""
     extent = motion.positions[at] @ _axes(toward).T
     low, high = min(float(extent[..., 1].min()), 0.0) - _BELOW, float(extent[..., 1].max()) + _ABOVE
     size = round((2 * np.abs(extent[..., 0]).max() + 2 * _BESIDE) * layout.scale), round((high - low) * layout.scale)
@@ -129,7 +140,7 @@ def _row(
             character.show(int(frame))
             cell, part = picture(plotter), row[:, start : start + width]
             part[:] = np.where((cell < 255).any(axis=2, keepdims=True), cell, part)
-    return reduced(row, _FINER)
+    return reduced(row, _FINER), (starts + width / 2) / _FINER
 
 
 def _step(motion: Motion, at: Int[ndarray, " shown"]) -> str:
@@ -139,18 +150,23 @@ def _step(motion: Motion, at: Int[ndarray, " shown"]) -> str:
 
 
 def _labelled(
-    rows: list[UInt8[ndarray, "height width 3"]], labels: list[tuple[str, str]]
+    rows: list[UInt8[ndarray, "height width 3"]],
+    labels: list[tuple[str, str]],
+    captions: list[list[tuple[float, str]]],
 ) -> UInt8[ndarray, "total_height total_width 3"]:
-    """The rows one below the other, each with a label and a note at its left."""
-    height, width = sum(len(row) for row in rows), max(row.shape[1] for row in rows)
+    """The rows one below the other, each with a label and a note at its left and captions at places (pixels) below."""
+    below = [_CAPTION * bool(each) for each in captions]
+    height, width = sum(map(len, rows)) + sum(below), max(row.shape[1] for row in rows)
     aside = _MARGIN + max(_text_width(label, note) for label, note in labels)
     with style():
         figure = Figure(figsize=((aside + width) / _DPI, height / _DPI), dpi=_DPI)
         canvas, top = FigureCanvasAgg(figure), height
-        for row, (label, note) in zip(rows, labels, strict=True):
+        for row, (label, note), each, room in zip(rows, labels, captions, below, strict=True):
             figure.figimage(row, xo=aside, yo=top - len(row), origin="upper")
             _write(figure, _MARGIN / (aside + width), (top - len(row) / 2) / height, label, note)
-            top -= len(row)
+            top -= len(row) + room
+            for x, caption in each:
+                figure.text((aside + x) / (aside + width), (top + room / 2) / height, caption, **_CAPTIONED)
         canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
