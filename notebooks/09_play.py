@@ -252,13 +252,14 @@ movie(figures / "09_play.mp4", motion.frames(120, min(len(motion), 600)), fps=30
 Video(str(figures / "09_play.mp4"), embed=True)
 
 # %% [markdown]
-# With W held the character should walk straight: here by the controller alone, not led to a speed. The release asks it,
-# while no key turns, for the facing that it has: its own sway then turns it off its way. Here the facing last asked for
-# stays. Who faces ahead may still walk aside, so the distance from the straight way is told too.
+# With W held the character should walk straight. The release asks it, while no key turns, for the facing that it has:
+# its own sway then turns it off its way. Here the facing last asked for stays. Who faces ahead may still walk aside, so
+# the player turns the wish against that; without that lead it shows.
 
 # %%
 hold = partial(played.drift, bundle, codes, start, gains, seconds=min(seconds, 30.0))
-drifts = {"ours": hold(KeySettings()), "as released": hold(RELEASE_KEYS)}
+drifts = {"ours": hold(wanted, KeySettings()), "ours, not led": hold(None, KeySettings())}
+drifts |= {"keys as released": hold(wanted, RELEASE_KEYS)}
 lines = [
     f"{rule}: heading {np.median(d.degrees):.0f}° off in the median, {d.degrees.max():.0f}° at most; "
     f"{np.median(d.metres):.1f} m beside the way in the median, {d.metres.max():.1f} m at most"

@@ -247,9 +247,12 @@ def reached_goings(
     gains: Float[ndarray, " characters"],
     asked: Sequence[Going],
     *,
-    seconds: float = 8.0,
+    seconds: float = 16.0,
 ) -> list[Going]:
-    """How finished characters go, over the last half, that are to go so, each facing ahead."""
+    """How finished characters go, over the last half, that are to go so, each facing ahead.
+
+    Turning round and being led to a speed take some seconds.
+    """
     speeds, angles = (np.array([getattr(how, part) for how in asked]) for part in ("speed", "angle"))
 
     def plan(_frame: int, _state: OnPath) -> Steering:

@@ -28,17 +28,19 @@ from stylephase.report import palette, plots
 from stylephase.report.recorder import Recorder
 from stylephase.report.render.motion import Motion
 from stylephase.report.walks import walking_motion
-from stylephase.runtime.controller import RELEASE, Controller, ControllerSettings, State
+from stylephase.runtime.controller import RELEASE, ControllerSettings, State
 from stylephase.runtime.graph import FastNetwork, to_onnx
 from stylephase.runtime.keyboard import KeySettings, at_rest, steer_by_keys
 from stylephase.runtime.mixtures import CORNERS
+from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import heading
 from stylephase.runtime.player import Player
 from stylephase.runtime.rollout import as_rollout
 from stylephase.runtime.speeds import SpeedCurve, speed_curves
+from stylephase.runtime.trajectory import Steering
 from stylephase.runtime.viewer.frames import frame_numbers
 from stylephase.runtime.viewer.widget import RECORDED_FPS
-from stylephase.runtime.walkers import NetworkWalker
+from stylephase.runtime.walkers import NetworkWalker, drive
 from stylephase.training.codes import clip_codes
 from stylephase.training.sampler import Scaling
 
@@ -151,23 +153,29 @@ def drift(
     codes: Float[Tensor, "characters values"],
     start: State,
     gains: Float[ndarray, " characters"],
+    wanted: Float[ndarray, " characters"] | None,
     settings: KeySettings,
     *,
     seconds: float,
 ) -> Drift:
-    """What some seconds of W come to. Who keeps its heading may still walk beside its way, so both are told."""
-    controller, state, wish = Controller(bundle, codes, ControllerSettings()), start, at_rest(start)
-    first, angles, aside = start.path.root, [], np.zeros(len(codes))
-    right = heading(first.angles - np.pi / 2)
-    for _ in range(int(seconds * FPS)):
+    """What some seconds of W come to; with `wanted` speeds (m/s) characters are led to them, as in the player.
+
+    Who keeps its heading may still walk beside its way, so both are told.
+    """
+    wish, first = at_rest(start), start.path.root
+
+    def held(_frame: int, state: State) -> Steering:
+        nonlocal wish
         wish = steer_by_keys("w", wish, state, gains, settings)
-        state = controller.step(state, wish)
-        angles.append(state.path.root.angles)
-        gone = state.path.root.positions - first.positions
-        aside = np.maximum(aside, np.abs((gone * right).sum(axis=1)))
+        return wish
+
+    plan = held if wanted is None else at_pace(held, wanted)
+    run = drive(NetworkWalker(bundle), codes, start, int(seconds * FPS), plan)
+    right = heading(first.angles - np.pi / 2)
+    aside = np.abs(((run.root_positions - first.positions) * right).sum(axis=2)).max(axis=0)
     # Over a second, so that the sway of a step does not count.
-    unwrapped = np.unwrap(angles, axis=0)
-    return Drift(np.degrees(np.abs(unwrapped[-int(FPS) :].mean(axis=0) - first.angles)), aside)
+    last = np.unwrap(run.root_angles, axis=0)[-int(FPS) :].mean(axis=0)
+    return Drift(np.degrees(np.abs(last - first.angles)), aside)
 
 
 def one_clip_codes(bundle: Bundle, styles: Sequence[StyleVectors]) -> Float[Tensor, "styles values"]:

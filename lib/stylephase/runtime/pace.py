@@ -3,6 +3,7 @@
 Walking and running are two ways of going on, and some styles keep the one that they are in whatever is wished: who runs
 goes on running when a walk, or nothing, is wished for; who stood shuffles on; and some go backwards when little is
 wished for. Such a character is pulled back until it walks, or pushed until it goes ahead, the more the longer it stays.
+Some walk beside the way that they face: their wishes are turned until they go the way that is wanted.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ from stylephase.runtime.trajectory import Steering, unit_ground
 
 # The speed is told from the way of the last second, so that a step counts whole. A wish is changed by what is missing
 # within about `_SECONDS`, and between the factors `_LEAST` and `_MOST` in all.
-_WINDOW, _SECONDS, _LEAST, _MOST = int(FPS), 2.0, 0.6, 1.6
+_WINDOW, _SECONDS, _LEAST, _MOST = int(FPS), 2.0, 0.6, 3.0
 # After a new wish a character is left to itself for so long (s). A wish below this speed (m/s) is to stand.
 _PATIENCE, _STANDS = 2.0, 0.05
 # A wish that changes by less than this share is the same wish.
@@ -29,6 +30,10 @@ _TOO_FAST, _NO_WALK, _PULL, _PUSH, _SHORT, _HOME = 1.3, 1.3, 1.5, 1.5, int(FPS /
 # missing, or so many times what is too much, and that again for each second that it has been stuck, up to a bound
 # (m/s). That wears off so many times as fast.
 _SLOW, _FAST, _MISSING, _MUCH, _WEARS_OFF, _LOOSENS = 0.8, 1.1, 1.0, 1.5, 4.0, 3.0
+# A way that turns by less than this (rad) is the same way. Who goes beside it is turned back within about so many
+# seconds, by at most `_VEER` (rad), once it goes at this share of the wanted speed; each frame of another way leaves so
+# much of it.
+_SAME_WAY, _STRAIGHTENS, _VEER, _WALKS, _FORGETS = 0.05, 2.0, 0.6, 0.3, 0.9
 
 
 class Pace:
@@ -38,6 +43,7 @@ class Pace:
         self.factors, self.wanted, self.waited = np.ones(characters), np.zeros(characters), np.zeros(characters)
         self.stuck = np.zeros(characters)
         self.stood, self.home = np.zeros(characters, dtype=bool), np.zeros((characters, 2))
+        self.way, self.straight, self.veer = np.zeros((characters, 2)), np.zeros(characters), np.zeros(characters)
         self.track: Float[ndarray, "frames characters 2"] = np.full((0, characters, 2), np.nan)
 
     # Who has left the finite numbers is not led.
@@ -59,7 +65,24 @@ class Pace:
         wrong = np.where(wanted > 0, np.maximum(-(moved * way).sum(axis=1), 0.0), 0.0)
         loosened = self._loosened(way, wanted)[:, None] * way
         led = np.nan_to_num(_PUSH * wrong[:, None] * way - back + loosened + self._home(wanted), posinf=0.0, neginf=0.0)
-        return Steering(wish.velocity * self.factors[:, None] + led, wish.facing)
+        return Steering(self._straightened(wish.velocity, wanted) * self.factors[:, None] + led, wish.facing)
+
+    def _straightened(
+        self, velocity: Float[ndarray, "characters 2"], wanted: Float[ndarray, " characters"]
+    ) -> Float[ndarray, "characters 2"]:
+        """Wishes turned by what characters have gone beside a way that has stayed the same."""
+        way, moved = unit_ground(velocity, np.zeros_like(velocity)), self._moved(_WINDOW)
+        turned = (way * self.way).sum(axis=1) < np.cos(_SAME_WAY)
+        self.way = np.where(turned[:, None], way, self.way)
+        self.straight = np.where(turned, 0.0, self.straight + 1 / FPS)
+        ahead, aside = (moved * way).sum(axis=1), moved[:, 0] * way[:, 1] - moved[:, 1] * way[:, 0]
+        walks = (self.straight > _PATIENCE) & (wanted > _STANDS) & (ahead > _WALKS * wanted)
+        off = np.where(walks, np.arctan2(aside, ahead), 0.0)
+        back = np.where(turned, self.veer * _FORGETS, self.veer - off / (FPS * _STRAIGHTENS))
+        self.veer = np.clip(back, -_VEER, _VEER)
+        sine, cosine = np.sin(self.veer), np.cos(self.veer)
+        x, z = velocity.T
+        return np.stack([cosine * x + sine * z, cosine * z - sine * x], axis=1)
 
     def _home(self, wanted: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2"]:
         """What leads those who should stand back to where they came to a stop."""

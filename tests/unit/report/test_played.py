@@ -141,7 +141,7 @@ def test_how_long_is_told_with_the_claim():
 def test_who_walks_beside_the_way_with_the_right_heading_is_found_out(monkeypatch):
     """It faces ahead as it is asked to, and goes half a metre a second aside."""
     bundle, start = tiny.bundle(network=tiny.Obedient()), tiny.start([0])
-    how = (bundle, tiny.codes(1), start, np.ones(1), KeySettings())
+    how = (bundle, tiny.codes(1), start, np.ones(1), None, KeySettings())
     straight = drift(*how, seconds=3.0)
     keys = played.steer_by_keys
 

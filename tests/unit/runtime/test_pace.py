@@ -48,7 +48,7 @@ def test_a_character_that_goes_at_a_share_of_the_wish_is_led_to_it(share):
 
 
 def test_what_cannot_be_reached_turns_the_wish_up_and_down_to_a_bound_only():
-    assert led(3.0, lambda wish: 1.0)[0] == pytest.approx(1.6 + 3.0)
+    assert led(3.0, lambda wish: 1.0)[0] == pytest.approx(3.0 + 3.0)
     assert led(0.2, lambda wish: 1.0)[0] == pytest.approx(0.6 - 3.0)
 
 
@@ -75,6 +75,31 @@ def test_who_goes_the_wrong_way_is_pushed():
     pace = Pace(1)
     alone = [pace.lead(ahead(1.0), np.ones(1), Somewhere(np.array([[0.0, 1.0 * k / FPS]]))) for k in range(60)]
     assert alone[-1].velocity[0, 1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("beside", [-20.0, 20.0, 90.0])
+def test_who_walks_beside_its_way_is_turned_back_to_it(beside):
+    """It goes so many degrees to the left of what is wished; from a quarter turn on it is not for the lead to mend."""
+    pace, place, wish = Pace(1), np.zeros((1, 2)), np.zeros(2)
+    sine, cosine = np.sin(np.radians(beside)), np.cos(np.radians(beside))
+    for _ in range(int(20 * FPS)):
+        wish = pace.lead(ahead(1.0), np.ones(1), Somewhere(place)).velocity[0]
+        step = np.array([cosine * wish[0] + sine * wish[1], cosine * wish[1] - sine * wish[0]]) / FPS
+        place = place + step
+    aside = np.degrees(np.arctan2(*step))
+    assert aside == pytest.approx(0.0, abs=0.5) if abs(beside) < 45 else abs(aside) > 30
+
+
+def test_a_new_way_forgets_what_was_learned_of_the_old_one():
+    pace, place = Pace(1), np.zeros((1, 2))
+    for _ in range(int(10 * FPS)):
+        place = place + np.array([[0.3, 1.0]]) / FPS
+        wish = pace.lead(ahead(1.0), np.ones(1), Somewhere(place))
+    assert wish.velocity[0, 0] < -0.2
+    for k in range(int(FPS)):
+        turning = Steering(np.array([[np.sin(0.1 * k), np.cos(0.1 * k)]]), np.zeros(1))
+        wish = pace.lead(turning, np.ones(1), Somewhere(place))
+    assert abs(pace.veer[0]) < 0.01
 
 
 def test_who_shuffles_on_is_pushed_the_more_the_longer_it_shuffles():
