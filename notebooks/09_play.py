@@ -95,11 +95,9 @@ Markdown(f"{len(styles)} styles of `{bundle.about['data']}` ({bundle.about['orig
 #
 # > The user's control is blended with the predicted trajectory ([M22] 4.4).
 #
-# The wish is outweighed by the network's own path, so more has to be asked for than is wanted. How fast each style
-# goes ahead at each of a dozen gains is measured once; a wanted speed is read off that curve, and the last second of
-# walking corrects it. Asked for: the speed at which the data of each style walks. The release's way, a speed taken for
-# a gain, must do worse. Characters begin as anybody's do who has the weights alone: at the moment of their own walk
-# that is kept with the weights.
+# How fast each style goes at each of a dozen gains is measured once; a wanted speed is read off that curve, and the
+# last second of walking corrects it. Asked for: the speed at which the data of each style walks. The release's way, a
+# speed taken for a gain, must do worse. Characters begin at the moment of their own walk that is kept with the weights.
 
 # %%
 walker, codes = NetworkWalker(bundle), codes_of(bundle, styles)
@@ -115,8 +113,8 @@ within, by_gain = (int((np.abs(v / wanted - 1) <= played.NEAR).sum()) for v in (
 Markdown(f"Within 10 % of the speed of their data: {within} of {len(wanted)} styles; with the gain alone {by_gain}.")
 
 # %% [markdown]
-# A character that has stood for three seconds may shuffle on, and one that takes on another style may keep the way of
-# walking that it is in; both are pushed out of it or held back until they walk. Without that lead it shows.
+# Who has stood for three seconds may shuffle on, and who takes on another style may keep the way of walking that it is
+# in; both are pushed until they walk. Without that lead it shows.
 
 # %%
 waiting = character.after_standing(Steady(gains), 3.0)
@@ -148,8 +146,8 @@ Markdown(
 )
 
 # %% [markdown]
-# Some takes go aside or backward. Each character is asked to go as they do, facing ahead: at their angle and speed.
-# Led straight ahead at that speed it must not pass.
+# Some takes go aside or backward: each character is asked to go at their angle and speed, facing ahead. Led straight
+# ahead at that speed it must not pass.
 
 # %%
 sideways = played.ways_aside(bundle, styles, curves)
@@ -160,9 +158,9 @@ Markdown(played.aside_table(sideways) if sideways else "These data have no such 
 #
 # > The user's control is blended with the predicted trajectory ([M22] 4.4).
 #
-# From outside: with the network's output held fixed, the wish is moved by one metre a second, then the predicted path
-# by one metre. How far does each point of the path that the network sees next follow? Both must count at every point,
-# and the wish the more the further ahead. With the wish left out nobody turns when asked to.
+# With the network's output held fixed, the wish is moved by one metre a second, then the predicted path by one metre.
+# How far does each point of the path that the network sees next follow? Both must count everywhere, the wish the more
+# the further ahead. With the wish left out nobody turns when asked to.
 
 # %%
 blend = character.trajectory_blend(bundle, codes, start, gains)
@@ -179,8 +177,8 @@ Markdown(
 #
 # The same walks as the network gives them; grounded, so that the body moves as its standing foot lets it; and finished:
 # feet in contact held, hands brought to where they are predicted, bones constant. Two wrong locks must be found out:
-# feet that are held while the other one stands, and a lock without softness. The largest acceleration of a joint is
-# told against recorded walks of the same style and length.
+# feet that are held while the other one stands, and a lock without softness. Accelerations are told against recorded
+# walks of the same style and length.
 
 # %%
 ways = character.ways_of_finishing(bundle, codes, start, gains, wanted, 15.0)
@@ -194,7 +192,7 @@ Markdown(played.looks_table(looks, recorded))
 # > Interpolated styles give wrong arm rotations now and then; inverse kinematics along each arm mends them
 # > ([M22] 4.4).
 #
-# How far are the hands, by the predicted rotations alone, from where they are predicted: in each style, and half-way
+# How far are the hands, by the predicted rotations alone, from where they are predicted, in each style and half-way
 # between two? And with arms that are led there?
 
 # %%
@@ -213,8 +211,7 @@ Markdown(
 # %% [markdown]
 # ## What a frame costs
 #
-# One character on one thread, by the processor's clock. The network with weights of 8 bits can take its place in the
-# player: its first frame differs by so much.
+# One character on one thread, by the processor's clock; with weights of 8 bits the first frame differs by so much.
 
 # %%
 fast = {"ONNX": FastNetwork(to_onnx(bundle)), "8 bits": FastNetwork(to_onnx(bundle, quantised=True))}
@@ -227,9 +224,8 @@ Markdown("; ".join(f"{part}: {ms:.2f} ms" for part, ms in costs.items()) + f"; 8
 # %% [markdown]
 # ## Keys
 #
-# A script holds W for four seconds, W and Q for two, D for three, Shift and W for three, then nothing. The wish
-# follows the keys by a quarter a frame, as in the release. Look at the turn, the run, and what D does: Bandai-Namco's
-# takes to the side are diagonals, so a character of these data goes diagonally ahead.
+# The wish follows the keys by a quarter a frame, as in the release. Look at the turn, the run, and what D does:
+# Bandai-Namco's takes to the side are diagonals, so a character of these data goes diagonally ahead.
 
 # %%
 player = Player(bundle, corners, speed=float(np.median(wanted)), curves=curves)
@@ -272,9 +268,8 @@ Markdown(f"After {min(seconds, 30.0):.0f} s of W. " + ". ".join(lines) + ".")
 #
 # > Barycentric coordinates weigh three styles ([M22] 4.4).
 #
-# The point goes round the triangle once in twelve seconds while the character walks. The largest acceleration of any
-# joint is compared with that of mixtures that are held, as long in all: corners and middles of the sides. A mixture
-# that is thrown from corner to corner at once must show.
+# The point goes round the triangle once in twelve seconds. The largest acceleration of any joint is compared with that
+# of mixtures that are held: corners and middles of the sides. A mixture thrown from corner to corner must show.
 
 # %%
 triples = played.triples(bundle.styles)
@@ -300,8 +295,8 @@ Markdown(
 #
 # > A style can be stored as one vector, from one clip or as an average ([M22] 4.4).
 #
-# From the stored mean of codes the character follows a random path. Where a whole run is at hand, with the network that
-# makes codes, it does so from the code of one clip of four seconds too.
+# The character follows a random path from the stored mean of codes, and where the network that makes codes is at hand,
+# from the code of one clip of four seconds too.
 
 # %%
 lines = [curves[style] for style in bundle.styles]
@@ -318,9 +313,9 @@ Markdown(
 # %% [markdown]
 # ## Random input
 #
-# Each style follows a random path of its own; its speed changes every few seconds, with stops. What no person does
-# counts as broken: hips out of height, bones of wrong lengths, far off the path, too fast, not a number. The same
-# check on the network with its weights shaken must find it broken.
+# Each style follows a random path; its speed changes every few seconds, with stops. What no person does counts as
+# broken: hips out of height, bones of wrong lengths, far off the path, too fast, not a number. With its weights shaken
+# the network must be found broken.
 
 # %%
 found = wander(codes, start, fast=fast["ONNX"])
@@ -336,10 +331,9 @@ Markdown(
 # %% [markdown]
 # ## A crowd
 #
-# [M22] Figure 1 shows many styles of one network. Each character here has a style and a way of its own; all are made in
-# one batch. With `crowd_weights` set to `release` it is the authors' network and its hundred styles. Can they be told
-# apart? Two more walks of each, on other ways, say what its style is like; dealt each other's codes the characters must
-# not be recognised.
+# [M22] Figure 1 shows many styles of one network; here each has a way of its own, all in one batch (with
+# `crowd_weights` set to `release`, the authors' hundred). Can they be told apart? Two more walks of each, on other
+# ways, say what its style is like; dealt each other's codes the characters must not be recognised.
 
 # %%
 shown = played.released_crowd(load_weights(crowd_weights)) if crowd_weights else None
@@ -353,8 +347,7 @@ Image(figures / "09_play-crowd.png", alt=alt)
 Markdown(f"{shown.right} of {shown.count} are nearest to other walks of their own style; dealt anew {shown.dealt}.")
 
 # %% [markdown]
-# And are they the styles of the data? Every character of the first network follows a random path, and its walk is
-# compared with the recorded walks of all styles. Dealt each other's codes they must not be recognised.
+# And are they the styles of the data? Walks of the network that is measured are compared with recorded ones.
 
 # %%
 space = style_space(styles, bundle.body.layout)
