@@ -40,6 +40,13 @@ def test_a_zombie_is_driven_within_a_minute_by_the_first_cells_of_the_notebook(z
     """The weights that lie with the code: W makes it walk, and the triangle makes it another character."""
     zombie.wait(lambda told: told["running"])
     assert zombie.seconds < 60
+    # The red dot is drawn where the mixture is: at the left corner.
+    middle = zombie.page.js(
+        "(() => { const c = document.querySelector('.sp-triangle'), d = c.getContext('2d').getImageData(0, 0, c.width,"
+        " c.height).data; let x = 0, n = 0; for (let i = 0; i < d.length; i += 4) if (d[i] === 0xC2"
+        " && d[i + 1] === 0x18 && d[i + 2] === 0x5B) { x += (i / 4) % c.width; n += 1; } return x / n / c.width })()"
+    )
+    assert middle < 0.2
     zombie.click()
     delays = [zombie.delay(0.6) for _ in range(5)]
     assert np.median(delays) < 0.1, delays

@@ -53,7 +53,7 @@ const layout = { positions: [0, 6], path: [6, 54], contacts: [54, 56], phases: [
 const numbers = Array.from({ length: 10 }, (_, k) => [...Array(64).fill(0), [0, 0x3c00, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600, 0x4700, 0x4800, 0x4880][k]]);
 const model = {
   get: (name) => ({
-    shape: { layout, capsules: [[0, 1, 0.1, 0]], head: { joint: 1, radius: 0.1 }, feet: [0, 1], limbs: [], speed: 1, recorded_fps: 10 },
+    shape: { layout, capsules: [[0, 1, 0.1, 0]], head: { joint: 1, radius: 0.1 }, feet: [0, 1], limbs: [], speed: 1, point: [0, 0], recorded_fps: 10 },
     styles: ["Old"], chosen: ["Old", "Old", "Old"], problem: "", recording: new DataView(Uint16Array.from(numbers.flat()).buffer),
   })[name],
   send: ({ kind }) => said.push(kind), on() {}, off() {},

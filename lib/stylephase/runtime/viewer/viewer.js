@@ -240,7 +240,7 @@ function render({ model, el }) {
 
   const view = { yaw: Math.PI + 0.5, pitch: 0.28, distance: 3.2, at: [0, 0.9, 0] };
   const held = new Set();
-  let frame = null, fresh = false, on = true, last = 0, point = [0.5, CORNERS[2][1] / 3], most = 0;
+  let frame = null, fresh = false, on = true, last = 0, point = shape.point, most = 0;
   let drawing = false, stroke = null, recorded = null, played = 0, before = 0, alive = true;
 
   const cam = () => camera(view.at, view.yaw, view.pitch, view.distance, canvas.width, canvas.height);

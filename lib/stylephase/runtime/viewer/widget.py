@@ -53,7 +53,7 @@ class Viewer(anywidget.AnyWidget):
         self._track = [player.state.path.root.positions[0]] * _SPEED_FRAMES
         body = player.walker.body
         shape = body_shape(body) | {"layout": frame_layout(len(body.joints)), "speed": player.speed}
-        shape |= {"recorded_fps": RECORDED_FPS}
+        shape |= {"point": player.point.tolist(), "recorded_fps": RECORDED_FPS}
         kept = b"" if recording is None else recording.astype(np.float16).tobytes()
         super().__init__(shape=shape, styles=list(player.walker.styles), chosen=list(player.styles), recording=kept)
         self.on_msg(lambda _, content, buffers: self.receive(content))
