@@ -11,6 +11,7 @@ from torch import Tensor
 from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle
+from stylephase.motion.skeleton import MIN_BONE
 from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.controller import State
 from stylephase.runtime.paths import FollowPaths, even_path
@@ -24,7 +25,6 @@ SETTLE_SECONDS = 2.0
 # Gains tried, as multiples of the wanted speed, and for how long (s).
 _GAINS, _TRIAL_SECONDS = np.array([0.5, 0.7, 0.85, 1.0, 1.25, 1.6, 2.0, 2.5, 4.0]), 4.0
 _LENGTH = 60.0
-_MIN_BONE = 0.01
 
 
 @dataclass(frozen=True)
@@ -169,8 +169,8 @@ def _judged(
     settle, (speed, hips) = int(SETTLE_SECONDS * FPS), recorded
     p, contacts = run.positions[settle:, k], run.contacts[settle:, k] > 0.5
     true = np.array([np.linalg.norm(body.skeleton.offsets[body.joints[child]]) for _, child in body.bones])
-    parents, children = np.array(body.bones)[true > _MIN_BONE].T
-    lengths = np.linalg.norm(p[:, children] - p[:, parents], axis=-1) / true[true > _MIN_BONE]
+    parents, children = np.array(body.bones)[true > MIN_BONE].T
+    lengths = np.linalg.norm(p[:, children] - p[:, parents], axis=-1) / true[true > MIN_BONE]
     toes = [body.joints.index(toe) for toe in body.skeleton.roles.toes[::-1]]
     slid = np.linalg.norm(np.diff(p[:, toes][..., [0, 2]], axis=0), axis=-1) * FPS
     held = contacts[1:] & contacts[:-1]

@@ -21,14 +21,13 @@ from stylephase.evaluation.release_walks import GAIN
 from stylephase.evaluation.rollouts import SETTLE
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle
+from stylephase.models.released import UNUSABLE
 from stylephase.runtime.controller import RELEASE, start_state
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import Rollout, roll_out
 
 # The pair of Fig. 8, and one whose hands have to get past the trunk.
 FIG_8, PAST_THE_TRUNK = ("BentForward", "LeanBack"), ("ArmsFolded", "ArmsBehindBack")
-# Styles of the release that do not walk, or tremble.
-_FAULTY = ("Drunk", "LeftHop", "RightHop", "TwoFootJump")
 _PURE_SECONDS, _BLEND_SECONDS = 13.0, 10.0
 
 
@@ -51,7 +50,7 @@ def release_blends(bundle: Bundle, others: int = 20, *, seed: int = 0) -> Releas
 
     The release's data are not at hand: the space tells how even a blend is, not how good its styles are.
     """
-    names = [style for style in bundle.styles if style not in _FAULTY]
+    names = [style for style in bundle.styles if style not in UNUSABLE]
     rng = np.random.default_rng(seed)
     drawn = [rng.choice(len(names), 2, replace=False) for _ in range(others)]
     pairs: list[Pair] = [FIG_8, PAST_THE_TRUNK, *((names[a], names[b]) for a, b in drawn)]

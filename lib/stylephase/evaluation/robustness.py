@@ -18,6 +18,7 @@ from torch import Tensor
 from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import Bundle
+from stylephase.motion.skeleton import MIN_BONE
 from stylephase.runtime.controller import Controller, ControllerSettings, Predict, State
 from stylephase.runtime.finishing import Finisher, Finishing
 from stylephase.runtime.limits import limited
@@ -35,7 +36,6 @@ _SHORTEST, _LONGEST = 2.0, 8.0
 # Longest way that a character may go (m/s), for the length of its path.
 _FASTEST = 3.0
 _SETTLE_SECONDS = 3.0
-_MIN_BONE = 0.01
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class _Watch:
 
     def __init__(self, body: Body, count: int, limits: Plausible):
         lengths = np.array([np.linalg.norm(body.skeleton.offsets[body.joints[child]]) for _, child in body.bones])
-        kept = lengths > _MIN_BONE
+        kept = lengths > MIN_BONE
         self.parents, self.children = np.array(body.bones)[kept].T
         self.lengths, self.limits, self.window = lengths[kept], limits, int(FPS / 2)
         self.before: list[Float[ndarray, "characters 2"]] = []

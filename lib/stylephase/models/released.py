@@ -31,7 +31,8 @@ _STATISTICS = {"x": ("X", _INPUTS), "p": ("GT_X", _PHASES), "y": ("Y", _OUTPUTS)
 # Styles that the network was not trained on; their codes were found later.
 HELD_OUT = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
 # Styles that do not walk when steered forward from standing: one code is broken, three do not hop ([M22] release).
-UNUSABLE = ("Drunk", "LeftHop", "RightHop", "TwoFootJump")
+BROKEN = ("Drunk",)
+UNUSABLE = (*BROKEN, "LeftHop", "RightHop", "TwoFootJump")
 _NAME, _INSIDE = "lpn-release", "local-phases/animation-demo/Unity/Assets/Demo/Parameters/LPN"
 _CODE_PARTS = ("scale1", "shift1", "scale2", "shift2")
 

@@ -15,6 +15,8 @@ from numpy import ndarray
 from stylephase.errors import InputError, hint
 
 SIDES = ("left", "right")
+# A bone that is no longer than this (m) has no direction, and counts for none.
+MIN_BONE = 0.01
 _SIDE_WORDS = {"left": "left", "right": "right", "l": "left", "r": "right"}
 _HAND_WORDS = {"hand", "wrist"}
 _TOE_WORDS = {"toe", "toes", "toebase", "ball"}

@@ -24,6 +24,7 @@ from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import Bundle, load_bundle
+from stylephase.models.released import BROKEN
 from stylephase.report import palette, plots
 from stylephase.report.recorder import Recorder
 from stylephase.report.render.motion import Motion
@@ -214,27 +215,35 @@ class Crowd:
 
 
 def crowd_of(
-    bundle: Bundle, start: State, *, gains: Float[ndarray, " characters"], how: ControllerSettings | None = None
+    bundle: Bundle,
+    start: State,
+    *,
+    gains: Float[ndarray, " characters"],
+    how: ControllerSettings | None = None,
+    uncounted: Sequence[str] = (),
 ) -> Crowd:
-    """All styles side by side, each on random ways of its own; two other walks of each say what its style is like."""
-    codes = torch.stack([bundle.code(style) for style in bundle.styles])
+    """All styles side by side, each on random ways of its own; two other walks of each say what its style is like.
+
+    Styles that are `uncounted` are shown, and count neither as recognised nor as not.
+    """
+    codes, counted = torch.stack([bundle.code(style) for style in bundle.styles]), set(bundle.styles) - set(uncounted)
     walked = partial(character.crowd, bundle, start=start, gains=gains, seconds=_CROWD_SECONDS, settings=how)
     space = character.crowd_space([walked(codes, seed=seed) for seed in (1, 2)], bundle.styles)
     run, anew = (walked(given, seed=0) for given in (codes, character.dealt_anew(codes)))
     right, dealt = (
-        sum(a == b for a, b in zip(character.nearest_styles(each, space), bundle.styles, strict=True))
+        sum(a == b for a, b in zip(character.nearest_styles(each, space), bundle.styles, strict=True) if b in counted)
         for each in (run, anew)
     )
     motions = [walking_motion(run, k, bundle.body, style) for k, style in enumerate(bundle.styles) if run.finite[k]]
     seconds = [motion.frames(len(motion) - int(FPS), len(motion)) for motion in motions]
-    return Crowd(seconds, right, dealt, len(codes))
+    return Crowd(seconds, right, dealt, len(counted))
 
 
 def released_crowd(bundle: Bundle) -> Crowd:
-    """The same of the authors' weights, at their gain and settings."""
+    """The same of the authors' weights, at their gain and settings; whose code is broken does not count."""
     codes = torch.stack([bundle.code(style) for style in bundle.styles])
     gains = np.full(len(codes), _RELEASE_GAIN)
-    return crowd_of(bundle, NetworkWalker(bundle).start(codes), gains=gains, how=RELEASE)
+    return crowd_of(bundle, NetworkWalker(bundle).start(codes), gains=gains, how=RELEASE, uncounted=BROKEN)
 
 
 def with_style_network(runs: Path, name: str) -> Bundle | None:
@@ -420,8 +429,8 @@ def _record_blend(recorder: Recorder, blend: Blend) -> None:
 def _record_crowd(recorder: Recorder, found: Found) -> None:
     crowd = found.crowd
     whose = "the authors' network" if found.released else "our network"
-    note = f"of {crowd.count} styles of {whose} {crowd.right} are nearest to other walks of their own, {crowd.dealt} "
-    note += "where styles are dealt anew; not held against recorded walks"
+    note = f"of {crowd.count} styles of {whose} {crowd.right} are told apart: nearest to other walks of their own, "
+    note += f"{crowd.dealt} where styles are dealt anew; not held against recorded walks"
     good, dataset = ("reproduced", "100style") if found.released else (OTHER, None)
     verdict = good if crowd.recognised else "differs"
     recorder.claim(

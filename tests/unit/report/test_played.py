@@ -162,6 +162,8 @@ def test_a_crowd_has_a_second_of_each_and_tells_who_is_recognised(monkeypatch):
     found = crowd_of(bundle, tiny.start([0] * len(bundle.styles)), gains=np.ones(len(bundle.styles)))
     assert [len(motion) for motion in found.motions] == [60] * found.count and found.count == len(bundle.styles)
     assert (found.right, found.dealt) == (found.count, 0)
+    fewer = crowd_of(bundle, tiny.start([0] * found.count), gains=np.ones(found.count), uncounted=bundle.styles[:1])
+    assert (len(fewer.motions), fewer.count, fewer.right) == (found.count, found.count - 1, found.count - 1)
 
 
 def test_a_run_counts_only_with_its_style_network(tmp_path):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stylephase.motion.skeleton import MIN_BONE
 from stylephase.report import palette
 from stylephase.report.render.anatomy import Anatomy
 from stylephase.report.render.landmarks import HIPS, LEFT_FOOT, SHOULDERS, WAIST, added
@@ -32,7 +33,6 @@ _RADII: dict[str, Radii] = {
 # Where the rib cage begins, as a share of the way from the hips to the base of the neck.
 _RIBS = 0.55
 _KNOB = 1.08
-_MIN_BONE = 0.01
 _FOOT = ("Heel", "Arch", "Ball", "Tip")
 _COLOURS = {"left": palette.LEFT, "right": palette.RIGHT, "middle": palette.BODY}
 
@@ -80,7 +80,7 @@ def _trunk_and_head(anatomy: Anatomy) -> list[Part]:
     The rib cage is one shape from about the middle of the trunk, whichever joint the arms hang on.
     """
     skeleton = anatomy.skeleton
-    chain = [j for j in skeleton.chain(anatomy.head) if j == 0 or _length(anatomy, j) > _MIN_BONE]
+    chain = [j for j in skeleton.chain(anatomy.head) if j == 0 or _length(anatomy, j) > MIN_BONE]
     base = next((k for k, j in enumerate(chain) if j > anatomy.chest and k > 0), len(chain) - 1)
     heights = np.cumsum([0.0] + [_length(anatomy, j) for j in chain[1 : base + 1]])
     ribs = int(np.argmin(np.abs(heights - _RIBS * heights[-1])))
@@ -139,5 +139,5 @@ def _other_bones(anatomy: Anatomy, drawn: set[int]) -> list[Part]:
     return [
         _part(parent, joint, "other", _COLOURS[anatomy.sides[joint]])
         for joint, parent in enumerate(skeleton.parents)
-        if _length(anatomy, joint) > _MIN_BONE and joint not in covered and parent not in ends
+        if _length(anatomy, joint) > MIN_BONE and joint not in covered and parent not in ends
     ]

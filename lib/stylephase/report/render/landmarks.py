@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from stylephase.motion.skeleton import MIN_BONE
 from stylephase.report.render.anatomy import Anatomy
 
 HIPS, WAIST, SHOULDERS, LEFT_FOOT, RIGHT_FOOT = range(5)
@@ -18,7 +19,6 @@ _HEEL_BEHIND, _FOOT, _TIP_AHEAD = 0.045, 0.26, (0.03, 0.09)
 HEEL_RADIUS, BALL_RADIUS, TIP_RADIUS = 0.036, 0.028, 0.022
 # Heights of the ankle and of the toe joint above the sole; what is measured is kept within these.
 _ANKLE_HEIGHTS, _TOE_HEIGHTS = (0.06, 0.14), (0.005, 0.06)
-_MIN_BONE = 0.01
 
 
 class Landmarks(NamedTuple):
@@ -57,7 +57,7 @@ def _unit(vectors: Float[ndarray, "*batch 3"]) -> Float[ndarray, "*batch 3"]:
 def _head(anatomy: Anatomy, positions: ndarray) -> tuple[ndarray, ndarray]:
     """Lower and upper centre of the head: towards its end site if that lies away from it, else along the neck."""
     skeleton, head = anatomy.skeleton, anatomy.head
-    ends = [j for j in skeleton.children(head) if np.linalg.norm(skeleton.offsets[j]) > _MIN_BONE]
+    ends = [j for j in skeleton.children(head) if np.linalg.norm(skeleton.offsets[j]) > MIN_BONE]
     below = next((j for j in skeleton.chain(head)[-2::-1] if _apart(positions, j, head)), None)
     if ends:
         up = _unit(positions[:, ends].mean(axis=1) - positions[:, head])
@@ -70,7 +70,7 @@ def _head(anatomy: Anatomy, positions: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _apart(positions: ndarray, one: int, other: int) -> bool:
-    return float(np.linalg.norm(positions[0, one] - positions[0, other])) > _MIN_BONE
+    return float(np.linalg.norm(positions[0, one] - positions[0, other])) > MIN_BONE
 
 
 def _fist(anatomy: Anatomy, positions: ndarray, side: int) -> ndarray:

@@ -8,12 +8,12 @@ from numpy import ndarray
 
 from stylephase.features.body import Body
 from stylephase.features.layout import INPUT_SAMPLES
+from stylephase.motion.skeleton import MIN_BONE
 from stylephase.runtime.controller import State
 from stylephase.runtime.trajectory import PAST
 
 # Half widths of the capsules (m) by how far up the chain from a hand, a foot or the head a bone lies.
 _ARM, _LEG, _TRUNK, _HEAD = (0.03, 0.036, 0.045, 0.05), (0.036, 0.042, 0.055, 0.08), 0.09, 0.09
-_MIN_BONE = 0.01
 _LIMBS = ("left hand", "right hand", "left foot", "right foot")
 
 
@@ -32,7 +32,7 @@ def body_shape(body: Body) -> dict[str, Any]:
     capsules = [
         (place[skeleton.parents[joint]], place[joint], *thickness.get(joint, (_TRUNK, 0)))
         for joint in body.joints
-        if skeleton.parents[joint] in place and np.linalg.norm(skeleton.offsets[joint]) > _MIN_BONE
+        if skeleton.parents[joint] in place and np.linalg.norm(skeleton.offsets[joint]) > MIN_BONE
     ]
     feet = [place[toe] for toe in roles.toes[::-1]]
     return {"joints": len(body.joints), "capsules": capsules, "feet": feet, "head": _head(body), "limbs": _LIMBS}
