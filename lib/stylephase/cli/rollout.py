@@ -26,23 +26,26 @@ from stylephase.runtime import controller
 from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.export import FORMATS, write_motion
 from stylephase.runtime.finishing import RAW, Finishing
+from stylephase.runtime.limits import within_limits
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.paths import Recorded, read_walk, record_of
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
 from stylephase.runtime.rollout import Rollout, Tick, parse_mixture, to_clip
 from stylephase.runtime.speeds import mixed_gain, mixed_speed
 from stylephase.runtime.walkers import drive, load_any, walker_of
-from stylephase.runtime.ways import Watched, Way, way_of
+from stylephase.runtime.ways import Watched, Way, strafe_and_turn, way_of
 
 # The movies of report.render, which is only loaded to make one.
 MOVIES = (".mp4", ".gif")
 _WRITTEN = (*FORMATS, *MOVIES)
 # What may be asked for: a person's speed (m/s), and an hour of motion (s).
 _FASTEST = 10.0
-# Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near. Whose mean
-# speed is below this (m/s) goes nowhere.
-_MOST_TURN, _NEAR, _STANDS = 720.0, 0.1, 0.05
+# Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near, and so far
+# (m) from where a recorded walk was. Whose mean speed is below this (m/s) goes nowhere.
+_MOST_TURN, _NEAR, _BESIDE, _STANDS = 720.0, 0.1, 0.5, 0.05
 _SHORTEST, _LONGEST = 0.1, 3600.0
+# Less than this (degrees, or degrees a second) is straight on.
+_TOLD = 1.0
 # Some styles keep to a shuffle or a run in which they began: whose speed is off begins at that speed and is wished more
 # of it. A style that was learned from little may run where its standing foot leads it: who is off still is tried
 # without. The nearest walk counts.
@@ -84,10 +87,13 @@ def rollout(
             "--way-of says where to go and how fast; it goes with none of --path, --speed, --turn, --strafe"
         )
     points, record = None if path is None else read_path(path), None if walked is None else read_walk(walked)
-    speed = _speed_of(record, walked) if speed is None else speed
     seconds = (10.0 if record is None else len(record) / FPS) if seconds is None else seconds
-    _check(out, seconds, speed, (turn, strafe), path)
+    _check(out, seconds, 1.0 if speed is None else speed, (turn, strafe), path)
     frames = round(seconds * FPS)
+    if record is not None:
+        record = Root(record.positions[:frames], record.angles[:frames])
+        strafe, turn = strafe_and_turn(record.positions, record.angles)
+    speed = _speed_of(record, walked) if speed is None else speed
 
     def plan(gain: Float[ndarray, "1"]) -> Plan:
         if record is not None:
@@ -104,12 +110,16 @@ def rollout(
             bar.set_description_str(f"{out.name}, try {next(trial)} of at most {_TRIES - raw}")
             return _walk(weights, style, out.stem, speed, plan, frames, finishing, bar.update, push)
 
+        def miss(one: _Walk) -> float:
+            """How far a walk is from what was asked: 1 is just near enough."""
+            return _off(one.speed, speed) / _NEAR if record is None or one.way.off is None else one.way.off / _BESIDE
+
         tries = [drive_by(RAW if raw else Finishing())]
-        if _off(tries[0].speed, speed) > _NEAR:
+        if miss(tries[0]) > 1:
             tries.append(drive_by(RAW if raw else Finishing(), push=_PUSH))
-        if not raw and min(_off(one.speed, speed) for one in tries) > _NEAR:
+        if not raw and min(map(miss, tries)) > 1:
             tries.append(drive_by(_UNGROUNDED))
-        walk = min(tries, key=lambda one: _off(one.speed, speed))
+        walk = min(tries, key=miss)
     _write(out, walk.clip, walk.contacts, style)
     result = {"out": out, "weights": weights, "licence": walk.licence, "style": walk.style}
     result |= {"frames": len(walk.clip), "fps": FPS, "gain": walk.gain, "speed": walk.speed}
@@ -125,19 +135,20 @@ def rollout(
 
 
 def _speed_of(record: Root | None, file: Path | None) -> float:
-    """Mean speed (m/s) of a recorded walk, or what is usual; raises InputError for a record that stays in one place."""
+    """Mean speed (m/s) of a recorded walk, or what is usual; raises InputError for a record that no person walks."""
     if record is None:
         return 1.0
     speed = speed_of(record.positions)
-    if not speed > _STANDS:
-        raise InputError(f"goes nowhere: {speed:.2f} m/s in the mean", file)
+    if not _STANDS < speed <= _FASTEST:
+        what = "goes nowhere" if speed <= _STANDS else "is faster than anybody runs"
+        raise InputError(f"{what}: {speed:.2f} m/s in the mean", file)
     return speed
 
 
 def _way_text(way: Way, strafe: float, turn: float, *, recorded: bool) -> str:
     """How far the way is what was asked for, where something was."""
-    text = f", {way.strafe:.0f}° aside (asked: {strafe:.0f}°)" if strafe else ""
-    text += f", turning {way.turn:.0f}°/s (asked: {turn:.0f}°/s)" if turn else ""
+    text = f", {way.strafe:.0f}° aside (asked: {strafe:.0f}°)" if abs(strafe) >= _TOLD else ""
+    text += f", turning {way.turn:.0f}°/s (asked: {turn:.0f}°/s)" if abs(turn) >= _TOLD else ""
     if recorded:
         text += f", at most {way.off:.1f} m from where the recorded walk was"
     elif way.off is not None:
@@ -196,11 +207,13 @@ def _walk(
     seen = Watched(asked)
     # A recorded walk has speeds of its own, and leads back to its place.
     led = seen if isinstance(asked, Recorded) else at_pace(seen, wanted)
-    run = drive(walker, codes, start, frames, led, finishing, tick)
+    run = drive(walker, codes, start, frames, within_limits(led), finishing, tick)
     if not run.finite.all():
         raise InputError(f"style {style} left the finite numbers after {_finite_seconds(run):.1f} s")
     clip, way = to_clip(run, 0, walker.body, name), way_of(run, 0, asked, seen.off)
     stop = len(run) if way.arrived is None else max(round(way.arrived * FPS), 1)
+    # Past its record a character stands.
+    stop = min(stop, len(asked.places)) if isinstance(asked, Recorded) else stop
     reached = speed_of(run.root_positions[:stop, 0])
     told = (run.contacts[:, 0] > 0.5, _licence(loaded), mixture, float(gain[0]), reached, finishing.grounded, way)
     return _Walk(clip, *told)

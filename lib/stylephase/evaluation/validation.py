@@ -1,4 +1,4 @@
-"""Whether measures of walking can be trusted: do they worsen under known damage, and do halves of real data agree?"""
+"""Whether measures of walking can be trusted: do they worsen under known damage, and does unseen real data agree?"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,14 +15,24 @@ from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
 
 # A measure is kept where it rises with every damage it is there to notice: this rank correlation in the median style;
-# and where that damage, in its middle degree, exceeds what halves of real walks differ by in this share of styles.
+# and where that damage, in its middle degree, exceeds what real walks differ by in this share of styles.
 RISES, EXCEEDS = 0.9, 0.75
 _MIDDLE = 2
 
 
-def halves(walks: Sequence[Stretch]) -> tuple[list[Stretch], list[Stretch]]:
+# Walks to refer to, and walks held back.
+Lots = tuple[Sequence[Stretch], Sequence[Stretch]]
+
+
+def by_take(walks: Sequence[Stretch]) -> Lots:
+    """Every other walk, longest first: lots of a style that have no take in common."""
+    return walks[::2], walks[1::2]
+
+
+def halves(walks: Sequence[Stretch]) -> Lots:
     """First and second halves of walks."""
-    return [walk.at(slice(len(walk) // 2)) for walk in walks], [walk.at(slice(len(walk) // 2, None)) for walk in walks]
+    long = [walk for walk in walks if len(walk) >= 2 * WINDOW]
+    return [walk.at(slice(len(walk) // 2)) for walk in long], [walk.at(slice(len(walk) // 2, None)) for walk in long]
 
 
 def reference_of(store: VectorStore, styles: Sequence[str], most: float = 60.0) -> Reference:
@@ -35,11 +45,31 @@ def reference_of(store: VectorStore, styles: Sequence[str], most: float = 60.0) 
     return Reference(body, chosen)
 
 
-def split_in_halves(reference: Reference, windows: int = 4) -> tuple[Reference, dict[str, list[Stretch]]]:
-    """A reference of the first halves, and the second halves, of styles whose halves have so many windows each."""
-    pairs = {style: halves([w for w in walks if len(w) >= 2 * WINDOW]) for style, walks in reference.walks.items()}
-    enough = {style: pair for style, pair in pairs.items() if min(len(windows_in(half)) for half in pair) >= windows}
-    return Reference(reference.body, {s: pair[0] for s, pair in enough.items()}), {s: p[1] for s, p in enough.items()}
+@dataclass(frozen=True)
+class Split:
+    """A reference of some walks, and others of the same styles held back; those of `whole` are other takes.
+
+    The other styles have one take of length, and second halves are held back.
+    """
+
+    first: Reference
+    held: Mapping[str, Sequence[Stretch]]
+    whole: tuple[str, ...]
+
+
+def split(reference: Reference, windows: int = 4) -> Split:
+    """Styles whose lots have so many windows each, by take where there are takes enough."""
+    lots: dict[str, Lots] = {}
+    whole = []
+    for style, walks in reference.walks.items():
+        for way in (by_take, halves):
+            found = way(walks)
+            if min(len(windows_in(lot)) for lot in found) >= windows:
+                lots[style] = found
+                whole += [style] * (way is by_take)
+                break
+    first, held = ({style: lot[k] for style, lot in lots.items()} for k in (0, 1))
+    return Split(Reference(reference.body, first), held, tuple(whole))
 
 
 @dataclass(frozen=True)

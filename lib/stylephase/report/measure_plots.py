@@ -51,7 +51,7 @@ def _box(corner: tuple[float, float]) -> Rectangle:
 def measures_of_models(
     panels: Mapping[str, Mapping[str, Interval]], floors: Mapping[str, float], units: Mapping[str, str]
 ) -> list[Axes]:
-    """For each measure its value for every model with its interval; a dashed line where halves of real data are."""
+    """For each measure its value for every model with its interval; a dashed line where real walks are."""
     with plots.style():
         rows = -(-len(panels) // 4)
         figure = Figure(figsize=(_WIDTH, 2.1 * rows + 0.2))

@@ -96,10 +96,12 @@ def _found(value: Any, unit: str, note: str) -> str:
 
     >>> _found([0.02, 0.971], "", "share held: alone, ours"), _found([0.8669], "", "ratio 0.867 [0.8, 0.9]")
     ('0.02 / 0.971: share held: alone, ours', 'ratio 0.867 [0.8, 0.9]')
+    >>> _found(1.0, "s", "worse by -1.1"), _found(1.0, "", "1 of 2")
+    ('1 s: worse by -1.1', '1 of 2')
     """
     parts = value if isinstance(value, list) else [value]
     numbers = [f"{part:.3g}" if isinstance(part, int | float) and not isinstance(part, bool) else "" for part in parts]
-    said = note and all(number and number in note for number in numbers)
+    said = note and all(number and re.search(rf"(?<![\d.-]){re.escape(number)}(?!\d|\.\d)", note) for number in numbers)
     return note if said else ": ".join(part for part in (shown(value, unit), note) if part)
 
 

@@ -37,9 +37,13 @@ _SAME_WAY, _STRAIGHTENS, _VEER, _WALKS, _FORGETS = 0.05, 2.0, 0.6, 0.3, 0.9
 
 
 class Pace:
-    """Leads some characters to the speeds that are wanted of them, from where they have been."""
+    """Leads some characters to the speeds and ways that are wanted of them, from where they have been.
 
-    def __init__(self, characters: int):
+    Without `straightens` only to the speeds.
+    """
+
+    def __init__(self, characters: int, *, straightens: bool = True):
+        self.straightens = straightens
         self.factors, self.wanted, self.waited = np.ones(characters), np.zeros(characters), np.zeros(characters)
         self.stuck = np.zeros(characters)
         self.stood, self.home = np.zeros(characters, dtype=bool), np.zeros((characters, 2))
@@ -65,7 +69,8 @@ class Pace:
         wrong = np.where(wanted > 0, np.maximum(-(moved * way).sum(axis=1), 0.0), 0.0)
         loosened = self._loosened(way, wanted)[:, None] * way
         led = np.nan_to_num(_PUSH * wrong[:, None] * way - back + loosened + self._home(wanted), posinf=0.0, neginf=0.0)
-        return Steering(self._straightened(wish.velocity, wanted) * self.factors[:, None] + led, wish.facing)
+        velocity = self._straightened(wish.velocity, wanted) if self.straightens else wish.velocity
+        return Steering(velocity * self.factors[:, None] + led, wish.facing)
 
     def _straightened(
         self, velocity: Float[ndarray, "characters 2"], wanted: Float[ndarray, " characters"]
@@ -106,7 +111,8 @@ class Pace:
         if len(self.track):
             jumped = ~(np.linalg.norm(places - self.track[-1], axis=1) < JUMP)
             self.factors, self.waited = np.where(jumped, 1.0, self.factors), np.where(jumped, 0.0, self.waited)
-            self.stuck = np.where(jumped, 0.0, self.stuck)
+            self.stuck, self.veer = np.where(jumped, 0.0, self.stuck), np.where(jumped, 0.0, self.veer)
+            self.straight = np.where(jumped, 0.0, self.straight)
             self.track, self.stood = np.where(jumped[:, None], places, self.track), self.stood & ~jumped
         self.track = np.concatenate([self.track[-_WINDOW:], places[None]])
 
@@ -128,7 +134,7 @@ class Pace:
         self.factors = np.clip(self.factors * np.exp(missing / (FPS * _SECONDS)), _LEAST, _MOST)
 
 
-def at_pace(plan: Plan, wanted: Float[ndarray, " characters"]) -> Plan:
-    """The same plan with characters led to speeds (m/s) while it wants them to go anywhere."""
-    pace = Pace(len(wanted))
+def at_pace(plan: Plan, wanted: Float[ndarray, " characters"], *, straightens: bool = True) -> Plan:
+    """The same plan with characters led to speeds (m/s), and to its ways, while it wants them to go anywhere."""
+    pace = Pace(len(wanted), straightens=straightens)
     return lambda frame, state: pace.lead(plan(frame, state), wanted, state)

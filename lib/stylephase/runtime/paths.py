@@ -128,11 +128,11 @@ def record_of(roots: Sequence[Root], gains: Float[ndarray, " characters"]) -> Re
 def read_walk(file: Path) -> Root:
     """Where the character of a BVH file went, at 60 frames a second, from the origin on and facing +z at first.
 
-    Raises InputError as `read_bvh` does, and for a file of one frame.
+    Raises InputError as `read_bvh` does, and for a walk of less than a second.
     """
     clip = resample(read_bvh(file), FPS)
-    if len(clip) < 2:
-        raise InputError("a recorded walk should have two frames or more", file)
+    if len(clip) < FPS:
+        raise InputError(f"lasts {len(clip) / FPS:.2f} s; expected a recorded walk of a second or more", file)
     root = root_of(forward_kinematics(clip), clip.skeleton)
     first, angle = root.positions[0], root.angles[0]
     back = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

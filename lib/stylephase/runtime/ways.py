@@ -50,15 +50,22 @@ class Watched:
 
 
 def way_of(run: Rollout, character: int, plan: Plan, off: list[float]) -> Way:
-    """The way of one character under a plan; the first second only settles where there is more."""
-    places, angles = run.root_positions[:, character], run.root_angles[:, character]
-    settled = int(FPS) if len(run) > int(2 * FPS) else 0
+    """The way of one character under a plan, and how far it was off a path or a record."""
+    strafe, turn = strafe_and_turn(run.root_positions[:, character], run.root_angles[:, character])
+    arrived = int(plan.arrived[0]) if isinstance(plan, FollowPath) else -1
+    return Way(strafe, turn, max(off, default=None), arrived / FPS if arrived >= 0 else None)
+
+
+def strafe_and_turn(places: Float[ndarray, "frames 2"], angles: Float[ndarray, " frames"]) -> tuple[float, float]:
+    """Mean angle of the way to the facing (degrees, to the left) and turning (degrees a second) at 60 frames a second.
+
+    The first second only settles where there is more.
+    """
+    settled = int(FPS) if len(places) > int(2 * FPS) else 0
     places, angles = places[settled:], angles[settled:]
     step = min(_OVER, len(places) - 1)
     strafe = np.degrees(_aside(places, angles, step)) if step else 0.0
-    turn = np.degrees(angles[-1] - angles[0]) * FPS / max(len(angles) - 1, 1)
-    arrived = int(plan.arrived[0]) if isinstance(plan, FollowPath) else -1
-    return Way(float(strafe), float(turn), max(off, default=None), arrived / FPS if arrived >= 0 else None)
+    return float(strafe), float(np.degrees(angles[-1] - angles[0]) * FPS / max(len(angles) - 1, 1))
 
 
 def _aside(places: Float[ndarray, "frames 2"], angles: Float[ndarray, " frames"], step: int) -> float:

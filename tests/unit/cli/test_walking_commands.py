@@ -78,19 +78,30 @@ class TestRollout:
         found = told(roll("--json", **{"way-of": tmp_path / "walked.bvh", "seconds": "2"}))
         assert found["frames"] == 120 and found["way"]["arrived"] is None
         assert abs(found["asked"] - tiny.SPEED) < 0.1 and found["way"]["off"] >= 0
+        # The walker turns by so many radians a second, and sways by a few degrees.
+        assert abs(found["asked_way"]["turn"] - np.degrees(0.3)) < 4 and abs(found["asked_way"]["strafe"]) < 5
 
     def test_a_recorded_walk_says_how_fast_and_where_to_by_itself(self, roll, tmp_path):
         write_bvh(tmp_path / "walked.bvh", tiny.take().clip)
         line = refused(roll(**{"way-of": tmp_path / "walked.bvh", "speed": "2"}))
         assert line.startswith("--way-of says where to go") and not (tmp_path / "walk.bvh").exists()
 
-    @pytest.mark.parametrize("frames", [1, 40])
+    def test_of_a_recorded_walk_only_its_time_is_judged(self, roll, tmp_path, monkeypatch):
+        """Who stands after it is not too slow."""
+        write_bvh(tmp_path / "walked.bvh", tiny.take(seconds=3.0).clip)
+        runs = []
+        monkeypatch.setattr(rollout, "speed_of", lambda root: runs.append(len(root)) or 1.0)
+        told(roll("--json", **{"way-of": tmp_path / "walked.bvh", "seconds": "4"}))
+        assert set(runs) == {180}
+
+    @pytest.mark.parametrize("frames", [1, 100])
     def test_a_recorded_walk_that_goes_nowhere_is_one_line_with_the_file(self, roll, tmp_path, frames):
         clip = tiny.take().clip
         places, turns = (part[:1].repeat(frames, 0) for part in (clip.root_positions, clip.rotations))
         still = replace(clip, root_positions=places, rotations=turns)
         write_bvh(tmp_path / "still.bvh", still)
-        assert "still.bvh" in refused(roll(**{"way-of": tmp_path / "still.bvh"}))
+        line = refused(roll(**{"way-of": tmp_path / "still.bvh", "seconds": "2"}))
+        assert "still.bvh" in line and ("a second or more" if frames == 1 else "goes nowhere") in line
 
     def test_it_writes_a_walk_that_any_program_reads(self, roll, tmp_path):
         found = told(roll("--json", seconds="1.5"))

@@ -12,7 +12,7 @@ from stylephase.evaluation.validation import (
     halves,
     kept_measures,
     reference_of,
-    split_in_halves,
+    split,
     try_measures,
 )
 from stylephase.features.store import VectorStore
@@ -78,8 +78,18 @@ def test_halves_are_whole_together_and_windows_never_reach_across(reference):
     )
 
 
+def test_what_is_held_back_is_of_other_takes_where_there_are_two(reference):
+    walk = reference.walks["Plain"][0]
+    takes = Reference(reference.body, {"Plain": [walk, walk], "Old": [walk], "Short": [walk.at(slice(130))]})
+    lots = split(takes, windows=2)
+    assert lots.whole == ("Plain",) and set(lots.held) == {"Plain", "Old"}
+    assert [len(lot["Plain"][0]) for lot in (lots.first.walks, lots.held)] == [len(walk), len(walk)]
+    assert len(lots.held["Old"][0]) == len(walk) - len(walk) // 2
+
+
 def test_trials_cover_every_measure_and_damage_and_only_what_fails_is_dropped(reference):
-    first, held = split_in_halves(reference, windows=2)
+    lots = split(reference, windows=2)
+    first, held = lots.first, lots.held
     trials = try_measures(first, {style: held[style] for style in ("Plain", "StoopedOver")})
     assert trials.keys() == MEASURES.keys() and all(some.keys() == DAMAGES.keys() for some in trials.values())
     kept = kept_measures(trials)

@@ -15,19 +15,26 @@ from stylephase.report.played import (
     Crowd,
     Found,
     FromOneClip,
+    Recognised,
     crowd_of,
     drift,
     effect,
+    held_at_each,
     looks_table,
     record,
+    scripted,
+    track_plot,
     triples,
     with_style_network,
 )
 from stylephase.report.recorder import Recorder
 from stylephase.runtime.keyboard import KeySettings
+from stylephase.runtime.player import Player
+from stylephase.runtime.speeds import SpeedCurve
 from stylephase.runtime.trajectory import Steering
 
 ROWS = 8
+LINE = SpeedCurve(np.array([0.5, 2.0]), np.array([0.5, 2.0]))
 
 
 def looks(skate: float, acceleration: float, bones: float = 0.0) -> Looks:
@@ -63,9 +70,9 @@ def good() -> Found:
         aside=[Aside("s0", "walk-left", LEFT, Going(1.05, 0.6), Going(1.0, 0.0))],
         endured=held,
         alone=held,
-        one_clip=FromOneClip(held, "lpn-film"),
+        one_clip=FromOneClip(held, Recognised(18, 1, 20), "lpn-film"),
         blend=Blend(np.array([0.2, 0.7]), np.full(2, 0.25), np.full(ROWS, 5.0), np.full(ROWS, 88.0)),
-        recognised=0.9,
+        recognised=Recognised(18, 1, 20),
         crowd=Crowd([], right=95, dealt=1, count=100),
         released=False,
         seconds=60.0,
@@ -90,7 +97,10 @@ def test_what_is_good_is_reproduced():
         ("m22-demo-trajectory-blend", lambda f: {"blend": replace(f.blend, turned=f.blend.unheard)}),
         ("m22-fig1-many-styles", lambda f: {"crowd": replace(f.crowd, right=60)}),
         ("m22-fig1-many-styles", lambda f: {"crowd": replace(f.crowd, dealt=90)}),
-        ("m22-arbitrary-length", lambda f: {"one_clip": FromOneClip([replace(f.alone[0], broken="x")] * 8, "lpn")}),
+        (
+            "m22-arbitrary-length",
+            lambda f: {"one_clip": replace(f.one_clip, endured=[replace(f.alone[0], broken="x"), *f.alone[1:]])},
+        ),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"finished": looks(0.15, 35)}}),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"grounded": looks(0.001, 35)}}),
         ("m22-demo-foot-ik", lambda f: {"looks": f.looks | {"scrambled": looks(0.001, 35)}}),
@@ -99,6 +109,8 @@ def test_what_is_good_is_reproduced():
         ("m22-demo-three-styles", lambda f: {"mixing": f.mixing * np.array([2, 1, 2])}),
         ("m22-demo-three-styles", lambda f: {"mixing": f.mixing * np.array([1, 1, 0.4])}),
         ("m22-demo-precomputed-code", lambda f: {"alone": [replace(e, broken="too fast") for e in f.alone]}),
+        ("m22-demo-precomputed-code", lambda f: {"recognised": Recognised(8, 1, 20)}),
+        ("m22-demo-precomputed-code", lambda f: {"one_clip": replace(f.one_clip, recognised=Recognised(18, 12, 20))}),
         ("ours-play-skate", lambda f: {"looks": f.looks | {"finished": looks(0.03, 35)}}),
         ("ours-play-pops", lambda f: {"looks": f.looks | {"finished": looks(0.001, 90)}}),
         ("ours-play-bones", lambda f: {"looks": f.looks | {"finished": looks(0.001, 35, 1.0)}}),
@@ -108,7 +120,7 @@ def test_what_is_good_is_reproduced():
         ("ours-play-aside", lambda f: {"aside": [replace(f.aside[0], ours=f.aside[0].ahead)]}),
         ("ours-play-aside", lambda f: {"aside": [replace(f.aside[0], ours=Going(0.7, 0.5))]}),
         ("ours-play-endurance", lambda f: {"endured": [replace(f.endured[0], broken="too fast"), *f.endured[1:]]}),
-        ("ours-play-crowd-recognised", lambda f: {"recognised": 0.4}),
+        ("ours-play-crowd-recognised", lambda f: {"recognised": Recognised(8, 1, 20)}),
     ],
 )
 def test_what_is_not_differs(claim, change):
@@ -141,7 +153,7 @@ def test_how_long_is_told_with_the_claim():
 def test_who_walks_beside_the_way_with_the_right_heading_is_found_out(monkeypatch):
     """It faces ahead as it is asked to, and goes half a metre a second aside."""
     bundle, start = tiny.bundle(network=tiny.Obedient()), tiny.start([0])
-    how = (bundle, tiny.codes(1), start, np.ones(1), None, KeySettings())
+    how = (bundle, tiny.codes(1), start, np.ones(1), np.ones(1), KeySettings())
     straight = drift(*how, seconds=3.0)
     keys = played.steer_by_keys
 
@@ -150,7 +162,7 @@ def test_who_walks_beside_the_way_with_the_right_heading_is_found_out(monkeypatc
         return Steering(wish.velocity + [[1.0, 0.0]], wish.facing)
 
     monkeypatch.setattr(played, "steer_by_keys", aside)
-    gone = drift(*how, seconds=3.0)
+    gone = drift(*how, seconds=3.0, straightens=False)
     assert gone.degrees[0] < 1 and straight.degrees[0] < 1
     assert gone.metres[0] > 0.8 and straight.metres[0] < 0.05
 
@@ -189,3 +201,14 @@ def test_threes_share_no_style_and_few_styles_make_one():
 def test_an_effect_has_its_mean_within_its_interval():
     value, low, high = effect(np.array([1.0, 2.0, 3.0]))
     assert value == pytest.approx(2.0) and low < value < high
+
+
+def test_the_way_from_above_has_a_colour_for_what_is_held():
+    script = [("w", 0.5), (["w", "shift"], 0.5), ("", 0.25)]
+    player = Player(tiny.bundle(network=tiny.Obedient()), tiny.STYLES[:3], curves=dict.fromkeys(tiny.STYLES[:3], LINE))
+    states, held = scripted(player, script), held_at_each(script)
+    assert [held[k] for k in (0, 29, 30, 59, 60)] == ["W", "W", "Shift W", "Shift W", "no key"]
+    assert len(held) == len(states) == 75
+    axes = track_plot(states, held)
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["W", "Shift W", "no key", "start"]

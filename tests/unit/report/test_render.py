@@ -145,6 +145,18 @@ def test_grid_has_a_row_for_each_motion():
     np.testing.assert_array_equal(both[one.shape[0] :], one)
 
 
+def test_captions_stand_below_each_frame_and_change_nothing_else():
+    plain, told = (strip(_walker(), replace(_SMALL, captions=c)) for c in ((), ("one",) * _SMALL.frames))
+    assert told.shape[0] > plain.shape[0] and told.shape[1] == plain.shape[1]
+    # Label and note move down with the middle of the picture, so only the frames are compared.
+    across = plain.shape[1] // 2
+    np.testing.assert_array_equal(told[: plain.shape[0], across:], plain[:, across:])
+    below = (told[plain.shape[0] :] < 128).any(axis=(0, 2))
+    assert below[across:].any() and below[: plain.shape[1]].any()
+    with pytest.raises(InputError, match="a caption for each"):
+        strip(_walker(), replace(_SMALL, captions=("one", "two", "three", "four", "five", "six", "seven")))
+
+
 def test_sole_rests_on_the_ground():
     """Heel, ball and tip of a standing foot end at the ground, whatever the height of the ankle joint."""
     motion = _walker()

@@ -156,3 +156,13 @@ def test_a_plan_at_pace_keeps_its_ways_and_a_walker_reaches_the_speed():
     run = drive(NetworkWalker(bundle), tiny.codes(2), tiny.start([0, 60]), 480, plan, RAW)
     for k in range(2):
         assert speed_of(run.root_positions[-90:, k]) == pytest.approx(wanted[k], rel=0.15)
+
+
+def test_who_jumps_elsewhere_begins_anew():
+    pace, place = Pace(1), np.zeros((1, 2))
+    for _ in range(int(10 * FPS)):
+        place = place + np.array([[0.3, 1.0]]) / FPS
+        pace.lead(ahead(1.0), np.ones(1), Somewhere(place))
+    assert abs(pace.veer[0]) > 0.2
+    pace.lead(ahead(1.0), np.ones(1), Somewhere(place + 5))
+    assert pace.veer[0] == 0

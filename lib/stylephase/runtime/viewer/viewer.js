@@ -272,7 +272,10 @@ function render({ model, el }) {
   };
   const loop = (now) => {
     if (!alive) return;
-    if (on && performance.now() - last > QUIET_MS && recorded === null) recorded = recordedFrames(model.get("recording"), values);
+    if (on && performance.now() - last > QUIET_MS && recorded === null) {
+      recorded = recordedFrames(model.get("recording"), values);
+      status.textContent = model.get("problem") || `${recorded.length ? "A recording: no" : "No"} kernel answers, or it is busy.`;
+    }
     if (on && recorded?.length) {
       played += Math.min(now - before, LATE_MS);
       take(recorded[recordedAt(played, shape.recorded_fps, recorded.length)]);
