@@ -28,7 +28,7 @@ class ControllerSettings:
     `root_share` of the predicted root step is taken and `path_share` of the predicted path; `position_bias`,
     `direction_bias` and `reach` shape how the future bends (trajectory.py); `pose_share` weighs the predicted joint
     positions against the last pose carried on by its velocity, `phase_share` the predicted phases against the last
-    ones plus their update.
+    ones plus their update. `zeroes_first` sets the first element of each scale and shift of a FiLM code to zero.
     """
 
     root_share: float = 1.0
@@ -38,12 +38,16 @@ class ControllerSettings:
     reach: float = 1.0
     pose_share: float = 0.5
     phase_share: float = 0.5
+    zeroes_first: bool = False
 
 
 # The release takes 85 % of the root step, by which its feet slide, and 85 % of the predicted path: with so much of its
 # own path a character may drift from walking into running, and heeds the user late. Its 50 points to come are numbered
 # as if they were 60, so the last is not wholly the user's.
 RELEASE = ControllerSettings(root_share=0.85, path_share=0.85, reach=50 / 60)
+# The authors' demonstration also loses the first element of each FiLM vector, as its loop begins with the second.
+DEMONSTRATION = replace(RELEASE, zeroes_first=True)
+_FILM_VECTORS = 4
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,13 @@ def start_state(
     return State(path, position, from_axes(forward, up), velocity, p.astype(float), np.zeros((len(x), 2)))
 
 
+def _first_zeroed(codes: Float[Tensor, "characters values"]) -> Float[Tensor, "characters values"]:
+    """FiLM codes whose scales and shifts have lost their first elements."""
+    parts = codes.reshape(len(codes), _FILM_VECTORS, -1).clone()
+    parts[:, :, 0] = 0
+    return parts.reshape(codes.shape)
+
+
 class Controller:
     """Drives any number of characters with one network, each with a style code of its own.
 
@@ -102,6 +113,7 @@ class Controller:
         settings: ControllerSettings,
         fast: Predict | None = None,
     ):
+        codes = _first_zeroed(codes) if settings.zeroes_first else codes
         self.layout, self.settings, self.codes, self.fast = bundle.layout, settings, codes, fast
         self.network = bundle.network.synthesis.eval()
         n = bundle.normaliser

@@ -9,7 +9,15 @@ import torch
 
 from stylephase.features.store import for_gate
 from stylephase.motion.root import root_of
-from stylephase.runtime.controller import RELEASE, Controller, ControllerSettings, State, input_of, start_state
+from stylephase.runtime.controller import (
+    DEMONSTRATION,
+    RELEASE,
+    Controller,
+    ControllerSettings,
+    State,
+    input_of,
+    start_state,
+)
 from stylephase.runtime.trajectory import Steering
 
 ARRAYS = [field.name for field in fields(State) if field.name != "path"]
@@ -184,3 +192,12 @@ class TestStep:
         x, p = tiny.take().vectors.x[:1], tiny.take().vectors.p[:1]
         np.testing.assert_array_equal(controller.predict(x, p), controller.predict(x, p))
         assert not bundle.network.synthesis.training
+
+
+def test_the_demonstration_loses_the_first_element_of_each_film_vector():
+    bundle, codes = tiny.bundle(), tiny.codes(2)
+    units = codes.shape[1] // 4
+    lost = Controller(bundle, codes, DEMONSTRATION).codes
+    changed = (lost != codes).any(dim=0).nonzero().flatten().tolist()
+    assert changed == [0, units, 2 * units, 3 * units] and not lost[:, changed].any()
+    assert Controller(bundle, codes, RELEASE).codes is codes
