@@ -9,22 +9,26 @@ import numpy as np
 
 from stylephase.data.catalogue import Catalogue, load_catalogue
 from stylephase.data.registry import OWN
-from stylephase.evaluation.inspection import FINETUNE, Report, fitting_weights, inspect_files
+from stylephase.errors import InputError
+from stylephase.evaluation.inspection import FEWSHOT, FINETUNE, Report, fitting_weights, inspect_files
 from stylephase.evaluation.rollouts import Walk, codes_of, judge, start_of, walking_speed
 from stylephase.evaluation.style import style_space
-from stylephase.features.captures import captured_vectors
+from stylephase.features.captures import captured_clip, captured_vectors, clip_vectors
 from stylephase.features.layout import FPS
-from stylephase.features.store import StyleVectors, VectorStore
+from stylephase.features.store import StyleVectors, VectorStore, for_gate
 from stylephase.models.bundle import Bundle, load_bundle
 from stylephase.motion.bvh import read_bvh, read_with_unit, write_bvh
 from stylephase.motion.clip import Clip, forward_kinematics
 from stylephase.motion.synthetic import SKELETON, find_style, walk
 from stylephase.report.render.motion import Motion
 from stylephase.report.walks import data_walk
-from stylephase.runtime.calibration import calibrate
+from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import Steady
-from stylephase.runtime.rollout import roll_out, to_clip
+from stylephase.runtime.rollout import to_clip
+from stylephase.runtime.speeds import speed_curves
+from stylephase.runtime.walkers import NetworkWalker, drive
 from stylephase.training.checkpoint import check_folder
+from stylephase.training.fewshot import Lesson, add_styles
 from stylephase.training.finetune import fine_tune
 from stylephase.training.loop import Trainer, identity_of
 from stylephase.training.presets import preset
@@ -50,8 +54,9 @@ _MIXAMO = {
         }.items()
     },
 }
-_INCH, _DRIVEN_SECONDS = 0.0254, 8.0
-# What a fine-tuned style is called: weights may know its files by another name.
+# Of a walk so long (s) the last part is judged: being led to a speed takes some seconds.
+_INCH, _DRIVEN_SECONDS, _LED_SECONDS = 0.0254, 12.0, 6.0
+# What fine-tuned and few-shot styles are called: weights may know the files by another name.
 MINE = "mine"
 
 
@@ -113,19 +118,26 @@ class Driven:
 def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
     """Learn from the usable files, walk at the speed of the data, and write the walk of the first style as BVH.
 
-    Weights that know the skeleton learn the files as one style by fine-tuning; else a small network is trained anew,
-    for so many steps.
-    `work` is emptied first.
+    Weights that know the skeleton learn the files as one style by fine-tuning, or each style from one clip of it; else
+    a small network is trained anew, for so many steps. The walk is led and finished as a user's is. `work` is emptied
+    first. Raises InputError where no file is of use.
     """
+    if not report.usable:
+        raise InputError("no file is of use; the table above says why", report.takes[0].file if report.takes else None)
     shutil.rmtree(work, ignore_errors=True)
     usable = keep_usable(report, work / "usable")
     known = fitting_weights(report.skeleton) if report.skeleton else {}
-    tunable = [path for path, command in known.items() if command == FINETUNE]
-    bundle, styles, store, how = _tuned(tunable[0], usable) if tunable else _trained(usable, work, steps)
+    ways = [(_tuned, FINETUNE), (_few_shot, FEWSHOT)]
+    able = [(way, path) for way, wanted in ways for path, command in known.items() if command == wanted]
+    bundle, vectors, store, how = able[0][0](able[0][1], usable) if able else _trained(usable, work, steps)
+    styles = [for_gate(style, bundle.layout) for style in vectors]
     start, codes = start_of(styles, bundle.body), codes_of(bundle, styles)
-    gains = calibrate(bundle, codes, start, np.array([walking_speed(style) for style in styles]))
-    run = roll_out(bundle, codes, start, int(_DRIVEN_SECONDS * FPS), Steady(gains), grounded=True)
-    walks = judge(run, bundle, styles, gains, style_space(styles, bundle.layout), settle=int(2 * FPS))
+    wanted, names = np.array([walking_speed(style) for style in styles]), [style.style for style in styles]
+    curves = speed_curves(bundle, names, start, grounded=True)
+    gains = np.array([curves[name].gain(speed) for name, speed in zip(names, wanted, strict=True)])
+    plan = at_pace(Steady(gains), wanted)
+    run = drive(NetworkWalker(bundle), codes, start, int(_DRIVEN_SECONDS * FPS), plan)
+    walks = judge(run, bundle, styles, gains, style_space(styles, bundle.layout), settle=int(_LED_SECONDS * FPS))
     name = styles[0].style
     motions = {"data": _middle(data_walk(store, store.catalogue.styles[0], f"{store.catalogue.styles[0]}, data"))}
     clip = to_clip(run, 0, bundle.body, name)
@@ -153,6 +165,19 @@ def _tuned(weights: Path, folder: Path) -> _Learned:
     vectors = captured_vectors(files, MINE, base.body, phases, str(base.about["data"]))
     how = f"fine-tuned from data/pretrained/{weights.name}"
     return fine_tune(base, [vectors]).bundle, [vectors], VectorStore(catalogue, phases), how
+
+
+def _few_shot(weights: Path, folder: Path) -> _Learned:
+    """Each style from the first of its files; the others only say how it walks."""
+    base, catalogue = load_bundle(weights), load_catalogue(f"{OWN}{folder}")
+    data, phases, vectors, lessons = str(base.about["data"]), str(base.about["phases"]), [], []
+    for style in catalogue.styles:
+        files, name = [entry.path for entry in catalogue.of(style)], f"{MINE}-{style}"
+        vectors.append(captured_vectors(files, name, base.body, phases, data))
+        clip = captured_clip(files[0], base.body, data)
+        lessons.append(Lesson(clip_vectors(clip, name, base.body, phases, data, symmetric=True)))
+    how = f"each style from one clip, by data/pretrained/{weights.name}"
+    return add_styles(base, lessons), vectors, VectorStore(catalogue, phases), how
 
 
 def _trained(folder: Path, work: Path, steps: int) -> _Learned:
