@@ -308,7 +308,7 @@ alone = wander(codes, start, seconds=min(seconds, 30.0), fast=fast["ONNX"], seed
 space = style_space(styles, bundle.body.layout)
 known = played.recognised(bundle, codes, start, gains, space)
 maker = bundle if bundle.makes_codes else played.with_style_network(ROOT / runs_folder, f"{name}-{preset}-{model}")
-one_clip = maker and played.endure_from_one_clip(maker, styles, wanted, seconds, space)
+one_clip = maker and played.endure_from_one_clip(maker, styles, wanted, min(seconds, 60.0), space)
 held = {"stored means": (alone, known)} | ({"one clip": (one_clip.endured, one_clip.recognised)} if one_clip else {})
 table(
     ("codes", "stay plausible", "nearest to their own", "with each other's codes", "of"),
