@@ -263,7 +263,7 @@ varying = [flaw for flaw, e in quality.items() if np.isfinite(e.value)]
 called = {flaw: flaw if "(" in flaw else f"{flaw} (share)" for flaw in varying}
 points = {called[flaw]: dict(zip(groups, np.nanmean(walks[flaw], axis=1), strict=True)) for flaw in varying}
 notes = {called[flaw]: f"rank correlation {quality[flaw].value:.2f}" for flaw in varying}
-axes = model_plots.against(x, points, x_is="error of one step (normalised)", notes=notes, columns=3)
+axes = model_plots.against(x, points, x_is="one-step error (normalised)", notes=notes, columns=3)
 figure(axes, figures / "05_test_error-quality.png", "Flaws of rollouts against one-step error, a point for each model.")
 
 # %%
