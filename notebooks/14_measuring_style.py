@@ -79,8 +79,8 @@ table(("measure", "unit", "held back", "held back, of another style"), *rows)
 # %%
 Markdown(
     f"{len(held)} of {len(reference.walks)} styles, {len(lots.whole)} by take. Of {count} windows of two seconds, "
-    f"{100 * right:.1f} % are nearest to their own style; by chance it would be {100 / len(held):.0f} %. What was held back "
-    f"is mostly nearer to another style in: {', '.join(strayed) or 'none'}."
+    f"{100 * right:.1f} % are nearest to their own style; by chance it would be {100 / len(held):.0f} %. What was "
+    f"held back is mostly nearer to another style in: {', '.join(strayed) or 'none'}."
 )
 
 # %% [markdown]
