@@ -35,7 +35,7 @@ from stylephase.runtime.graph import FastNetwork, to_onnx
 from stylephase.runtime.keyboard import KeySettings, at_rest, steer_by_keys
 from stylephase.runtime.mixtures import CORNERS
 from stylephase.runtime.pace import at_pace
-from stylephase.runtime.plans import heading
+from stylephase.runtime.plans import OnPath, heading
 from stylephase.runtime.player import Player
 from stylephase.runtime.rollout import as_rollout
 from stylephase.runtime.speeds import SpeedCurve, speed_curves
@@ -167,7 +167,7 @@ def drift(
     """
     wish, first = at_rest(start), start.path.root
 
-    def held(_frame: int, state: State) -> Steering:
+    def held(_frame: int, state: OnPath) -> Steering:
         nonlocal wish
         wish = steer_by_keys("w", wish, state, gains, settings)
         return wish

@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from stylephase.runtime.controller import State
-from stylephase.runtime.plans import heading
+from stylephase.runtime.plans import OnPath, heading
 from stylephase.runtime.trajectory import Steering, unit_ground
 
 # Ahead and left of the wanted facing.
@@ -43,7 +42,7 @@ class KeySettings:
 RELEASE_KEYS = KeySettings(coasts=True, follows_root=True)
 
 
-def at_rest(state: State) -> Steering:
+def at_rest(state: OnPath) -> Steering:
     """The wish of characters that nobody has steered yet: stand and face as they do."""
     return Steering(np.zeros_like(state.path.root.positions), state.path.root.angles.copy())
 
@@ -51,7 +50,7 @@ def at_rest(state: State) -> Steering:
 def steer_by_keys(
     held: Collection[str],
     last: Steering,
-    state: State,
+    state: OnPath,
     speeds: Float[ndarray, " characters"],
     settings: KeySettings | None = None,
 ) -> Steering:
@@ -72,7 +71,7 @@ def steer_by_keys(
 
 
 def _facing(
-    turning: int, last: Steering, state: State, how: KeySettings, *, any_key: bool
+    turning: int, last: Steering, state: OnPath, how: KeySettings, *, any_key: bool
 ) -> Float[ndarray, " characters"]:
     """The facing wanted: a share of the way from the last one to the one that the keys ask for, the short way round."""
     if not turning and not (how.follows_root and any_key):
