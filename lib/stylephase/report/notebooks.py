@@ -157,9 +157,11 @@ def run(
     clock = Clock(cell_seconds, run_seconds)
     notebook = _execute(prepared, partial, values, clock, source)
     prepared.unlink()
-    partial.unlink()
     noted = json.loads("".join(output.text for output in notebook.cells.pop().outputs))
     target, copied = (working if out is None else root / out) / f"{source.stem}.ipynb", clean(notebook)
+    if len(nbformat.writes(copied)) > MOST_BYTES:
+        raise NotebookFailed(f"{source}: outputs of more than {MOST_BYTES:,} bytes; the copy is {partial}")
+    partial.unlink()
     figures = values.get("figures_folder", declared["figures_folder"].default)
     entry = made.made_of(root, source.stem, values | {"figures_folder": figures}, cells, noted)
     outputs = made.output_digests(root, source.stem, copied, figures)
@@ -197,8 +199,6 @@ def _execute(prepared: Path, partial: Path, values: dict[str, Any], clock: Clock
         raise failed("the kernel died") from error
     if any(cell.cell_type == "code" and cell.source and cell.execution_count is None for cell in notebook.cells):
         raise failed("the notebook left early")  # papermill takes sys.exit() for success
-    if len(nbformat.writes(notebook)) > MOST_BYTES:
-        raise NotebookFailed(f"{source}: outputs of more than {MOST_BYTES:,} bytes; the copy is {partial}")
     return notebook
 
 

@@ -191,7 +191,10 @@ class TestRuns:
         def execute(*_, **__):
             cell = nbformat.v4.new_code_cell("1", execution_count=count)
             cell.outputs = [nbformat.v4.new_output("stream", text=output)]
-            return nbformat.v4.new_notebook(cells=[cell])
+            # What the last cell tells goes elsewhere, so its size does not count.
+            told = nbformat.v4.new_code_cell("2", execution_count=2)
+            told.outputs = [nbformat.v4.new_output("stream", text=f'"{"y" * notebooks.MOST_BYTES}"')]
+            return nbformat.v4.new_notebook(cells=[cell, told])
 
         monkeypatch.setattr(papermill, "execute_notebook", execute)
         with pytest.raises(NotebookFailed, match=message):
