@@ -14,8 +14,8 @@
 # %% [markdown]
 # # Steering the character
 #
-# Paper: [M22], Section 4.4 and Figure 1. Time: preset quick a minute, preset cpu with an hour of random input 50 minutes
-# on a machine in use.
+# Paper: [M22], Section 4.4 and Figure 1. Time: preset quick a minute, preset cpu with an hour of random input 50
+# minutes on a machine in use.
 #
 # A trained network, a keyboard and a triangle of three styles make a character that one can drive: run the first cells
 # and drive a zombie. Then the same is done by scripted keys, so that it can be measured.

@@ -54,7 +54,11 @@ def retell(name: str, root: Path = ROOT) -> None:
         if cell.cell_type == "code":
             cell.update({key: value for key, value in next(was).items() if key in ("outputs", "execution_count")})
     declared = next(n for n, cell in enumerate(new.cells) if "parameters" in cell.metadata.get("tags", []))
-    new.cells[declared + 1 : declared + 1] = [cell for cell in old.cells if cell not in notebooks.own_cells(old)]
+    injected = [cell for cell in old.cells if cell not in notebooks.own_cells(old)]
+    for cell in injected:
+        # Its number is that of another cell among the new ones.
+        cell.id = f"injected-{cell.id}"
+    new.cells[declared + 1 : declared + 1] = injected
     new.metadata = old.metadata
     notebooks.write_notebook(notebooks.clean(new), path)
 
