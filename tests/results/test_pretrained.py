@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
 import torch
 
 from stylephase.features.layout import FPS
@@ -40,4 +39,6 @@ def test_every_style_walks_on_at_a_walking_speed_and_keeps_its_height(root):
             zip(bundle.styles, speeds, strict=True)
         )
         assert hips.min() > 0.6 and hips.max() < 1.2
-        assert speeds[0] != pytest.approx(speeds[1], rel=1e-3)
+        # Codes matter: led to one speed, styles still differ in where their joints are.
+        heights = run.positions[int(3 * FPS) :, :2, :, 1].mean(axis=0)
+        assert np.abs(heights[0] - heights[1]).max() > 0.005
