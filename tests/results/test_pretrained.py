@@ -32,7 +32,7 @@ def test_every_style_walks_on_at_a_walking_speed_and_keeps_its_height(root):
         bundle = load_bundle(folder)
         codes, speed = torch.stack([bundle.code(style) for style in bundle.styles]), np.ones(len(bundle.styles))
         plan = at_pace(Steady(speed), speed)
-        run = roll_out(bundle, codes, warm_start(bundle, codes, speed), int(8 * FPS), plan)
+        run = roll_out(bundle, codes, warm_start(bundle, codes, speed), int(5 * FPS), plan)
         speeds = [speed_of(run.root_positions[int(3 * FPS) :, k]) for k in range(len(codes))]
         hips = run.positions[:, :, 0, 1]
         assert run.finite.all() and min(speeds) > 0.3 and max(speeds) < 4.0, dict(
