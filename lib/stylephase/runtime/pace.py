@@ -13,7 +13,7 @@ from numpy import ndarray
 from stylephase.features.layout import FPS
 from stylephase.runtime.limits import JUMP
 from stylephase.runtime.plans import OnPath, Plan
-from stylephase.runtime.trajectory import Steering, unit_ground
+from stylephase.runtime.trajectory import Steering, on_ground, unit_ground
 
 # The speed is told from the way of the last second, so that a step counts whole. A wish is changed by what is missing
 # within about `_SECONDS`, and between the factors `_LEAST` and `_MOST` in all.
@@ -85,9 +85,7 @@ class Pace:
         off = np.where(walks, np.arctan2(aside, ahead), 0.0)
         back = np.where(turned, self.veer * _FORGETS, self.veer - off / (FPS * _STRAIGHTENS))
         self.veer = np.clip(back, -_VEER, _VEER)
-        sine, cosine = np.sin(self.veer), np.cos(self.veer)
-        x, z = velocity.T
-        return np.stack([cosine * x + sine * z, cosine * z - sine * x], axis=1)
+        return np.einsum("nij,nj->ni", on_ground(self.veer), velocity)
 
     def _home(self, wanted: Float[ndarray, " characters"]) -> Float[ndarray, "characters 2"]:
         """What leads those who should stand back to where they came to a stop."""

@@ -15,7 +15,7 @@ from stylephase.motion.bvh import read_bvh
 from stylephase.motion.clip import forward_kinematics, resample
 from stylephase.motion.root import Root, root_of
 from stylephase.runtime.plans import OnPath, heading
-from stylephase.runtime.trajectory import Steering, unit_ground
+from stylephase.runtime.trajectory import Steering, on_ground, unit_ground
 
 # Points of a path are so far apart (m). A character heads for the point so far ahead, and looks for where it is among
 # the points within reach, none behind.
@@ -134,6 +134,5 @@ def read_walk(file: Path) -> Root:
     if len(clip) < FPS:
         raise InputError(f"lasts {len(clip) / FPS:.2f} s; expected a recorded walk of a second or more", file)
     root = root_of(forward_kinematics(clip), clip.skeleton)
-    first, angle = root.positions[0], root.angles[0]
-    back = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    return Root((root.positions - first) @ back.T, root.angles - angle)
+    back = on_ground(-root.angles[:1])[0]
+    return Root((root.positions - root.positions[0]) @ back.T, root.angles - root.angles[0])

@@ -73,7 +73,7 @@ def good() -> Found:
         one_clip=FromOneClip(held, Recognised(18, 1, 20), "lpn-film"),
         blend=Blend(np.array([0.2, 0.7]), np.full(2, 0.25), np.full(ROWS, 5.0), np.full(ROWS, 88.0)),
         recognised=Recognised(18, 1, 20),
-        crowd=Crowd([], right=95, dealt=1, count=100),
+        crowd=Crowd(motions=[], right=95, dealt=1, count=100),
         released=False,
         seconds=60.0,
     )
