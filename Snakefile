@@ -85,7 +85,9 @@ def needs(wildcards):
     if wildcards.notebook == "13_gram_style_transfer":
         return f"build/runs/{SET}-{PRESET}-pfnn-cp-base-seed0/training.json"
     one = wildcards.notebook in ("04_training", "09_play")
-    return expand(f"{RUN}/evaluation.json", run=[run for run in RUNS if run.startswith("lpn-film-")] if one else RUNS)
+    runs = expand(f"{RUN}/evaluation.json", run=[run for run in RUNS if run.startswith("lpn-film-")] if one else RUNS)
+    base = wildcards.notebook == "14_measuring_style" and BASE
+    return [*runs, *([f"build/runs/{SET}-{PRESET}-pfnn-cp-base-seed0/training.json"] if base else [])]
 
 
 rule all:

@@ -322,12 +322,14 @@ def recognised_straight(study: Study, courses: Sequence[Courses]) -> Float[ndarr
 
     A walk that did not stay finite has none.
     """
-    shares = []
-    for name in study.names:
-        one = next(c for c in courses if any(course.style == name for course in c.courses))
-        walk = generated(one.run, one.of(name, 0.0, "straight"))
-        shares.append(0.0 if walk is None else 1 - other_style(study.reference, name, [walk]))
-    return np.array(shares)
+    walks = {name: straight_walk(courses, name) for name in study.names}
+    return np.array([1 - other_style(study.reference, s, [w]) if w is not None else 0.0 for s, w in walks.items()])
+
+
+def straight_walk(courses: Sequence[Courses], style: str) -> Stretch | None:
+    """The free straight walk of a style after settling; None where it did not stay finite."""
+    one = next(c for c in courses if any(course.style == style for course in c.courses))
+    return generated(one.run, one.of(style, 0.0, "straight"))
 
 
 def held(courses: Sequence[Courses], radius: float, hand: str) -> Bool[ndarray, " styles"]:
