@@ -32,8 +32,9 @@ reproduce: probe ## run all notebooks on DATASET with PRESET, redoing only what 
 figures: probe ## make the committed notebooks and figures again that are older than their code or data
 	@$(BIN)/python -m stylephase.report.fresh make
 
+# Worksteal: each process begins with half of the modules, so few of their fixtures are made twice.
 test: probe lint ## run all checks
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(CORES) --dist worksteal
 
 lint: $(VENV)/set-up ## check style and types
 	$(BIN)/ruff check

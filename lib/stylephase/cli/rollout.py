@@ -26,7 +26,7 @@ from stylephase.runtime import controller
 from stylephase.runtime.calibration import speed_of
 from stylephase.runtime.export import FORMATS, write_motion
 from stylephase.runtime.finishing import RAW, Finishing
-from stylephase.runtime.limits import within_limits
+from stylephase.runtime.limits import FASTEST, within_limits
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.paths import Recorded, read_walk, record_of
 from stylephase.runtime.plans import FollowPath, Plan, Steady, read_path
@@ -38,11 +38,10 @@ from stylephase.runtime.ways import Watched, Way, strafe_and_turn, way_of
 # The movies of report.render, which is only loaded to make one.
 MOVIES = (".mp4", ".gif")
 _WRITTEN = (*FORMATS, *MOVIES)
-# What may be asked for: a person's speed (m/s), and an hour of motion (s).
-_FASTEST = 10.0
 # Turning faster than this (degrees a second) is no walk; a speed within this share of the asked one is near, and so far
 # (m) from where a recorded walk was. Whose mean speed is below this (m/s) goes nowhere.
 _MOST_TURN, _NEAR, _BESIDE, _STANDS = 720.0, 0.1, 0.5, 0.05
+# Motion lasts from a tenth of a second to an hour.
 _SHORTEST, _LONGEST = 0.1, 3600.0
 # Less than this (degrees, or degrees a second) is straight on.
 _TOLD = 1.0
@@ -139,7 +138,7 @@ def _speed_of(record: Root | None, file: Path | None) -> float:
     if record is None:
         return 1.0
     speed = speed_of(record.positions)
-    if not _STANDS < speed <= _FASTEST:
+    if not _STANDS < speed <= FASTEST:
         what = "goes nowhere" if speed <= _STANDS else "is faster than anybody runs"
         raise InputError(f"{what}: {speed:.2f} m/s in the mean", file)
     return speed
@@ -228,8 +227,8 @@ def _check(out: Path, seconds: float, speed: float, degrees: tuple[float, float]
         raise InputError(f"expected a name that ends in {', '.join(_WRITTEN)}", out)
     if not _SHORTEST <= seconds <= _LONGEST:
         raise InputError(f"--seconds is {seconds:g}; expected {_SHORTEST:g} to {_LONGEST:g}")
-    if not 0 < speed <= _FASTEST:
-        raise InputError(f"--speed is {speed:g}; expected above 0 and at most {_FASTEST:g} m/s")
+    if not 0 < speed <= FASTEST:
+        raise InputError(f"--speed is {speed:g}; expected above 0 and at most {FASTEST:g} m/s")
     if not (np.isfinite(degrees).all() and np.abs(degrees).max() <= _MOST_TURN):
         raise InputError(f"--turn and --strafe should be numbers of degrees, at most {_MOST_TURN:g} either way")
     if path is not None and any(degrees):

@@ -31,7 +31,7 @@ from stylephase.runtime.controller import Controller, ControllerSettings, Predic
 from stylephase.runtime.finish import finish
 from stylephase.runtime.finishing import Finisher, Finishing
 from stylephase.runtime.foot_lock import LockSettings
-from stylephase.runtime.mixtures import CORNERS
+from stylephase.runtime.mixtures import CORNERS, around
 from stylephase.runtime.pace import Pace, at_pace
 from stylephase.runtime.paths import FollowPaths
 from stylephase.runtime.plans import OnPath, Plan, Steady, TurnOnce, heading
@@ -365,7 +365,7 @@ def mixing(player: Player, seconds: float = 12.0) -> dict[str, float]:
     Held at corners and middles of the sides in turn, each after a second that does not count; `jumping` throws the code
     from corner to corner every second at once, as a null.
     """
-    frames, around = int(seconds * FPS), np.concatenate([CORNERS, CORNERS[:1]])
+    frames = int(seconds * FPS)
 
     def walked(frames: int) -> list[State]:
         return [player.step() for _ in range(frames)]
@@ -374,8 +374,7 @@ def mixing(player: Player, seconds: float = 12.0) -> dict[str, float]:
     walked(int(2 * FPS))
     changing, jumping, held = [], [], []
     for frame in range(frames):
-        way = 3 * frame / frames
-        player.mix(around[int(way)] + (way - int(way)) * (around[int(way) + 1] - around[int(way)]))
+        player.mix(around(3 * frame / frames))
         changing += walked(1)
     for point in _HELD:
         player.mix(point)

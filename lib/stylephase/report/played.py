@@ -33,7 +33,7 @@ from stylephase.report.walks import walking_motion
 from stylephase.runtime.controller import RELEASE, ControllerSettings, State
 from stylephase.runtime.graph import FastNetwork, to_onnx
 from stylephase.runtime.keyboard import KeySettings, at_rest, steer_by_keys
-from stylephase.runtime.mixtures import CORNERS
+from stylephase.runtime.mixtures import around
 from stylephase.runtime.pace import at_pace
 from stylephase.runtime.plans import OnPath, heading
 from stylephase.runtime.player import Player
@@ -117,13 +117,10 @@ def track_plot(states: Sequence[State], held: Sequence[str]) -> Axes:
 def round_trip(player: Player, styles: Sequence[str], seconds: float) -> list[State]:
     """States of a walk ahead while the mixture goes round the triangle once, corner by corner."""
     player.choose(styles)
-    ring, frames = np.concatenate([CORNERS, CORNERS[:1]]), int(seconds * FPS)
     player.hold("w")
-    states = []
+    states, frames = [], int(seconds * FPS)
     for frame in range(frames):
-        way = 3 * frame / frames
-        k = int(way)
-        player.mix(ring[k] + (way - k) * (ring[k + 1] - ring[k]))
+        player.mix(around(3 * frame / frames))
         states.append(player.step())
     player.hold(())
     return states

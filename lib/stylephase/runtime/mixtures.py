@@ -36,6 +36,13 @@ def _on_edge(p: Float[ndarray, "2"], corner: int) -> Float[ndarray, "3"]:
     return weights
 
 
+def around(way: float) -> Float[ndarray, "2"]:
+    """The point so far round the triangle from its first corner on, at 1, 2 and 3 at the next corners."""
+    k = int(way) % 3
+    after = CORNERS[(k + 1) % 3]
+    return CORNERS[k] + (way - int(way)) * (after - CORNERS[k])
+
+
 def triangle_mixture(
     styles: Sequence[str], point: Float[ndarray, " coordinates"] | Sequence[float | int]
 ) -> dict[str, float]:

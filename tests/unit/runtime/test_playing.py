@@ -19,7 +19,7 @@ from stylephase.runtime.controller import Controller, ControllerSettings, State,
 from stylephase.runtime.finishing import RAW
 from stylephase.runtime.keyboard import RELEASE_KEYS, at_rest, steer_by_keys
 from stylephase.runtime.limits import FASTEST, MOST_WISH, limited, teleported, within_limits
-from stylephase.runtime.mixtures import CORNERS, barycentric, triangle_mixture
+from stylephase.runtime.mixtures import CORNERS, around, barycentric, triangle_mixture
 from stylephase.runtime.paths import SPACING, FollowPaths, Recorded, drawn_path, even_path, read_walk, record_of
 from stylephase.runtime.plans import FollowPath, Steady
 from stylephase.runtime.player import Player
@@ -94,6 +94,11 @@ class TestTriangle:
     def test_what_is_no_point_is_refused(self, point):
         with pytest.raises(InputError, match="two finite numbers"):
             barycentric(point)
+
+    def test_round_the_triangle_are_the_corners_in_turn_and_the_middles_of_the_sides(self):
+        corners = np.array([around(k) for k in range(4)])
+        np.testing.assert_allclose(corners, CORNERS[[0, 1, 2, 0]])
+        np.testing.assert_allclose(around(1.5), (CORNERS[1] + CORNERS[2]) / 2)
 
     def test_one_style_at_two_corners_has_both_weights(self):
         mixture = triangle_mixture(("Old", "Plain", "Old"), CORNERS.mean(axis=0))
