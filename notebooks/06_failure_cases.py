@@ -65,12 +65,14 @@ NAMED = PENDULUM, SWIMMING = ("PendulumHands", "Swimming")
 
 @dataclass(frozen=True)
 class Case:
-    """A data set with the runs on it: the recorded walks, and those of the first seed of each model."""
+    """A data set with the runs on it: the recorded walks, and those of the first seed of each model. `runs` are all
+    that were evaluated."""
 
     name: str
     data: Recorded
     first: dict[str, Run]
     walked: dict[str, Walked]
+    runs: dict[str, list[Run]]
 
 
 def first_runs(dataset: str, preset: str) -> dict[str, Run]:
@@ -83,7 +85,8 @@ def open_case(dataset: str, preset: str, models: tuple[str, ...]) -> Case:
     about = first["lpn-film"].evaluation["about"]
     store = VectorStore(load_catalogue(dataset), about["phases"])
     data = recordings(store, [style for style in store.catalogue.styles if style in about_styles(first)])
-    return Case(f"{dataset} ({about['origin']})", data, first, walked_by(first, data, models))
+    runs = by_model(find_runs(ROOT / runs_folder, dataset, preset))
+    return Case(f"{dataset} ({about['origin']})", data, first, walked_by(first, data, models), runs)
 
 
 def about_styles(first: dict[str, Run]) -> set[str]:
@@ -493,22 +496,23 @@ collar_picture()
 # > The lower capacity of one-hot and adapter modulation shows as artefacts, and with one-hot some styles come out wrong
 # > ([M22] 5.1.2).
 #
-# The flaws of the walks (named in notebook 05), each modulation less FiLM on the same backbone, over styles: above zero
-# where there are more without FiLM.
+# The flaws of the walks (named in notebook 05), each modulation less FiLM on the same backbone, over styles, each the
+# mean of all seeds: above zero where there are more without FiLM.
 
 # %%
-judged = [case for case in cases if {"lpn-onehot", "lpn-film"} <= set(case.first)]
+judged = [case for case in cases if {"lpn-onehot", "lpn-film"} <= set(case.runs)]
 PAIRS = [(f"{backbone}-{kind}", f"{backbone}-film") for backbone in ("lpn", "pfnn") for kind in ("onehot", "resad")]
 
 
-def flaw_differences(model: Run, film: Run) -> dict:
-    ours, theirs = flaws([model]), flaws([film])
-    both = {flaw: np.isfinite(ours[flaw][0]) & np.isfinite(theirs[flaw][0]) for flaw in ours}
-    return {flaw: difference(ours[flaw][0][k], theirs[flaw][0][k], rng) for flaw, k in both.items() if k.any()}
+def flaw_differences(model: list[Run], film: list[Run]) -> dict:
+    # A style counts where it stayed finite with every seed of both.
+    ours, theirs = ({flaw: v.mean(axis=0) for flaw, v in flaws(runs).items()} for runs in (model, film))
+    both = {flaw: np.isfinite(ours[flaw]) & np.isfinite(theirs[flaw]) for flaw in ours}
+    return {flaw: difference(ours[flaw][k], theirs[flaw][k], rng) for flaw, k in both.items() if k.any()}
 
 
 capacity = {
-    case.name: {p: flaw_differences(*(case.first[name] for name in p)) for p in PAIRS if set(p) <= set(case.first)}
+    case.name: {p: flaw_differences(*(case.runs[name] for name in p)) for p in PAIRS if set(p) <= set(case.runs)}
     for case in judged
 }
 rows = [
@@ -520,25 +524,37 @@ table(("data", "flaw", *(f"{model} less {film}" for model, film in PAIRS)), *row
 
 # %%
 wrong = {
-    case.name: {model: flaws([run])["another style is nearer"][0] for model, run in case.first.items()}
-    for case in judged
+    case.name: {model: flaws(runs)["another style is nearer"] for model, runs in case.runs.items()} for case in judged
 }
-rows = [(name, m, f"{some.sum():.0f} of {len(some)}") for name, found in wrong.items() for m, some in found.items()]
-table(("data", "model", "walks nearer to another style"), *rows)
+
+
+def by_seed(some: np.ndarray) -> str:
+    return ", ".join(f"{own.sum():.0f}" for own in some)
+
+
+rows = [
+    (name, model, by_seed(some), some.shape[1], f"{difference(some.mean(axis=0), found['lpn-film'].mean(axis=0), rng)}")
+    for name, found in wrong.items()
+    for model, some in found.items()
+]
+table(("data", "model", "walks nearer to another style, by seed", "of", "share more than lpn-film"), *rows)
 
 # %% [markdown]
 # ## The record
 
 # %%
-files = [run.file for case in cases for run in case.first.values()]
-recorder = Recorder(
-    "06_failure_cases", dataset=dataset, preset=preset, params={"runs_folder": runs_folder}, data_files=files
-)
+runs = [run for case in cases for some in (case.first.values(), *case.runs.values()) for run in some]
+params = {"runs_folder": runs_folder, "beside": beside, "starts": starts}
+files = [run.file for run in dict.fromkeys(runs)]
+recorder = Recorder("06_failure_cases", dataset=dataset, preset=preset, params=params, data_files=files)
 
 
-def judge(identifier: str, holds: bool, note: str, value=None, n: int | None = None) -> None:
+def judge(identifier: str, holds: bool, note: str, value=None, n: int | None = None, seeds=(0,)) -> None:
     verdict = OTHER_DATA if holds else DIFFERS
-    recorder.claim(identifier, verdict=verdict, value=value, note=note, n=n, seeds=[0])
+    recorder.claim(identifier, verdict=verdict, value=value, note=note, n=n, seeds=list(seeds))
+
+
+several = sorted({run.seed for case in judged for some in case.runs.values() for run in some})
 
 
 # A model does what a figure shows if it is better than its rival, and has at least half of the data's free amplitude;
@@ -629,18 +645,21 @@ if lifted:
             + "; ".join(f"{model}: {', '.join(some) or 'none'}" for model, some in worse.items())
         )
     n = sum(len(common_to(case)) for case in collared)
-    judge("m22-low-capacity-artefacts", all(effect.low > 0 for effect in larger), ". ".join(words), n=n)
+    judge("m22-low-capacity-artefacts", all(effect.low > 0 for effect in larger), ". ".join(words), n=n, seeds=several)
 if wrong:
-    effects = {name: difference(found["lpn-onehot"], found["lpn-film"], rng) for name, found in wrong.items()}
+    effects = {
+        name: difference(found["lpn-onehot"].mean(axis=0), found["lpn-film"].mean(axis=0), rng)
+        for name, found in wrong.items()
+    }
     words = [
-        f"{name}: walks nearer to another style, share more than with FiLM {effects[name]}; "
-        + ", ".join(f"{model} {some.sum():.0f}" for model, some in found.items())
-        + f" of {len(found['lpn-film'])}"
+        f"{name}: walks nearer to another style, share more than with FiLM {effects[name]}; by seed "
+        + "; ".join(f"{model} {by_seed(some)}" for model, some in found.items())
+        + f" of {found['lpn-film'].shape[1]}"
         for name, found in wrong.items()
     ]
     holds, value = all(effect.low > 0 for effect in effects.values()), effects.get(main.name)
-    n = sum(len(found["lpn-film"]) for found in wrong.values())
-    judge("m22-one-hot-wrong-style", holds, ". ".join(words), value.interval if value else None, n)
+    n = sum(found["lpn-film"].shape[1] for found in wrong.values())
+    judge("m22-one-hot-wrong-style", holds, ". ".join(words), value.interval if value else None, n, several)
 for case in cases:
     recorder.number(f"stuck below, {case.name}", case.data.stuck_below, "ratio")
 for (name, style, model), found in measured.items():
