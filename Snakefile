@@ -48,6 +48,9 @@ HELD_OUT_RUN = f"build/runs/{SET}-{PRESET}-{SPARING}"
 FIGURES = f"build/figures/{SET}-{PRESET}"
 COPIES = f"build/notebooks/{SET}-{PRESET}"
 
+# Notebooks that read all runs are among the longest: with the runs first, two of them go side by side at the end.
+SOONER = 1
+
 # Jobs speak on standard output, so that `make` can send Snakemake's own account of them to a file.
 shell.prefix("set -euo pipefail; exec 2>&1; ")
 
@@ -121,6 +124,7 @@ rule vectors:
 rule begin:
     input: styles, code("training")
     output: f"{RUN}/begun"
+    priority: SOONER
     params: folder=lambda wildcards, output: Path(output[0]).parent
     shell:
         """
@@ -137,6 +141,7 @@ rule train:
     params:
         folder=lambda wildcards, output: Path(output[0]).parent,
         without=f"--without {ALL_WITHOUT}" if ALL_WITHOUT else "",
+    priority: SOONER
     threads: max(1, workflow.cores // len(RUNS))
     shell:
         """
@@ -161,6 +166,7 @@ rule train_without:
 rule train_base:
     input: f"build/runs/{SET}-{PRESET}-pfnn-cp-{{base}}-seed0/begun"
     output: f"build/runs/{SET}-{PRESET}-pfnn-cp-{{base}}-seed0/training.json"
+    priority: SOONER
     params:
         folder=lambda wildcards, output: Path(output[0]).parent,
         styles=lambda wildcards: BASES[f"pfnn-cp-{wildcards.base}-seed0"],
@@ -178,6 +184,7 @@ ruleorder: train_without > train_base > train
 rule evaluate:
     input: f"{RUN}/training.json", code("evaluation")
     output: f"{RUN}/evaluation.json"
+    priority: SOONER
     params: folder=lambda wildcards, output: Path(output[0]).parent
     shell:
         """

@@ -50,7 +50,7 @@ from stylephase.models.released import load_weights
 from stylephase.report import played
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
-from stylephase.report.recorder import Recorder
+from stylephase.report.recorder import QUICK, Recorder
 from stylephase.report.render import Layout, crowd, grid, movie
 from stylephase.report.show import figure, table
 from stylephase.report.walks import pick
@@ -274,7 +274,7 @@ Markdown(f"After {min(seconds, 30.0):.0f} s of W. " + ". ".join(lines) + ".")
 # of mixtures that are held: corners and middles of the sides. A mixture thrown from corner to corner must show.
 
 # %%
-triples = played.triples(bundle.styles)
+triples = played.triples(bundle.styles, most=1 if preset == QUICK else 7)
 threes = [Player(bundle, three, speed=float(np.median(wanted)), curves=curves) for three in triples]
 mixed = [character.mixing(each, 12.0) for each in threes]
 mixing = np.array([[found[which] for which in ("changing", "held", "jumping")] for found in mixed])
