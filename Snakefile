@@ -112,6 +112,7 @@ checkpoint data:
 rule vectors:
     input: DATA, code("features")
     output: f"build/vectors/{SET}/{{style}}.json"
+    priority: SOONER
     shell:
         """
         echo "Vectors of {wildcards.style}"
@@ -154,6 +155,7 @@ rule train:
 rule train_without:
     input: f"build/runs/{SET}-{PRESET}-lpn-film-heldout-seed0/begun"
     output: f"build/runs/{SET}-{PRESET}-lpn-film-heldout-seed0/training.json"
+    priority: SOONER
     params: folder=lambda wildcards, output: Path(output[0]).parent
     shell:
         """

@@ -26,6 +26,9 @@ _LONG = 2 * CLIP_FRAMES
 _HALF = 0.5
 _RARE = 0.025
 
+# Axes are left, up, forward.
+_MIRRORED = np.array([-1.0, 1.0, 1.0])
+
 Path = Float[ndarray, "frames 2 3"]
 
 
@@ -43,6 +46,19 @@ def mean_spread(paths: Sequence[Path]) -> Float[ndarray, "2"]:
     """The same over several stretches, each counting by its length."""
     lengths = np.array([len(path) for path in paths], dtype=float)
     return np.sqrt(np.average([np.square(spread(path)) for path in paths], axis=0, weights=lengths))
+
+
+def together(paths: Sequence[Path]) -> float:
+    """Whether one hand is the other's mirror image (1), on its own (0) or its opposite (-1), over four seconds.
+
+    The covariance of their places, one of them mirrored, over the root of the product of their variances, summed over
+    axes: hands that swing to the sides as two pendulums have 1 ([M22] Fig. 5), those of a walk are near -1.
+    """
+    parts = [path[k : k + CLIP_FRAMES] for path in paths for k in range(0, len(path), CLIP_FRAMES)]
+    left, right = (np.concatenate([part[:, hand] - part[:, hand].mean(axis=0) for part in parts]) for hand in (0, 1))
+    right = right * _MIRRORED
+    size = np.sqrt(np.square(left).sum() * np.square(right).sum())
+    return float((left * right).sum() / max(size, 1e-12))
 
 
 def half_ratios(paths: Sequence[Path]) -> Float[ndarray, "2"]:

@@ -117,12 +117,11 @@ class Walked:
         least = least_spread(self.data.paths[style])
         return int((self.hands[style].spread < self.data.stuck_below * least).sum())
 
-    def again(self, style: str, starts: int, seconds: float = 20.0) -> list[Stretch]:
-        """Walks of one style from several frames of its data, those that stay finite."""
+    def again(self, style: str, starts: int, seconds: float = 20.0) -> list[Stretch | None]:
+        """Walks of one style from several frames of its data; None for one that does not stay finite."""
         vectors = for_gate(self.data.style(style), self.bundle.layout)
         run = walks_from(self.bundle, vectors, self.gains[style], starts, seconds)
-        found = [generated(run, k) for k in range(starts)]
-        return [walk for walk in found if walk is not None]
+        return [generated(run, k) for k in range(starts)]
 
     def step_error(self, style: str) -> float:
         """Mean distance (m) of the hands from where they are, one step ahead on test frames; NaN without any."""

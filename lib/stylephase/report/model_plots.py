@@ -136,8 +136,8 @@ def trade_off(rate: Float[ndarray, " runs"], panels: Mapping[str, Float[ndarray,
             panel.plot(rates, [values[rate == r].mean() for r in rates], color=colour)
             panel.plot(rate, values, "o", color=colour, markersize=5)
             panel.set_title(quantity, fontsize=9, weight="normal")
-            panel.set(xlabel="input dropout (rate)")
-            panel.set_ylim(bottom=0)
+            # Room above, so that no point is cut.
+            panel.set(xlabel="input dropout (rate)", ylim=(0, 1.1 * float(np.max(values)) or 1))
         for panel in axes[len(panels) :]:
             panel.set_axis_off()
     return axes

@@ -7,7 +7,16 @@ from tiny_training import BODY
 from stylephase.errors import InputError
 from stylephase.evaluation.collars import collar_joints, collars_of, most_unusual
 from stylephase.evaluation.feet import foot_use
-from stylephase.evaluation.hands import half_ratios, hands_of, least_spread, spectrum, spread, stuck_below, tied
+from stylephase.evaluation.hands import (
+    half_ratios,
+    hands_of,
+    least_spread,
+    spectrum,
+    spread,
+    stuck_below,
+    tied,
+    together,
+)
 from stylephase.evaluation.limbs import hand_paths, seen_from
 from stylephase.evaluation.stretches import Stretch
 from stylephase.motion.root import turn
@@ -93,6 +102,14 @@ def test_a_hand_in_another_place_is_off():
     poses[:, LAYOUT.effectors[0], 0] += [0.0, 0.0, 0.3]
     off = hands_of([moved], LAYOUT).off(hands_of([data], LAYOUT))
     np.testing.assert_allclose(off, [0.3, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("axis", "alike"), [(0, -1), (1, 1), (2, 1)])
+def test_hands_that_mirror_each_other_are_told_from_those_that_swing_like_a_walkers(axis, alike):
+    swing = 0.2 * np.sin(2 * np.pi * CYCLE * time())
+    one, other = (np.stack([swing, side * swing], axis=1)[..., None] * np.eye(3)[axis] for side in (1, -1))
+    assert (together([one]), together([other, other + 1.0])) == (pytest.approx(alike), pytest.approx(-alike))
+    assert together([np.zeros((240, 2, 3))]) == 0
 
 
 def test_halves_of_an_even_swing_agree_and_of_one_that_stops_do_not():
