@@ -309,10 +309,10 @@ alt = f"Strips of {shown}: data, PFNN FiLM, MANN FiLM, LPN FiLM, one and a half 
 strips("fig5", first_case, shown, FILM, Layout(frames=7, scale=70, view=view), alt)
 
 # %%
-seconds = [motion.frames(0, min(len(motion), int(4 * FPS))) for motion in pictured(first_case, shown, FILM, whole=True)]
+seconds = [motion.frames(0, min(len(motion), int(3 * FPS))) for motion in pictured(first_case, shown, FILM, whole=True)]
 frames = movie(figures / "06_failure_cases-fig5.mp4", seconds, fps=30, size=(160, 208))
 Markdown(
-    f"`{figures_folder}/06_failure_cases-fig5.mp4`: {frames} frames, four seconds of the data and the three backbones."
+    f"`{figures_folder}/06_failure_cases-fig5.mp4`: {frames} frames, three seconds of the data and the three backbones."
 )
 
 # %% [markdown]

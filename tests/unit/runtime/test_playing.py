@@ -96,7 +96,7 @@ class TestTriangle:
             barycentric(point)
 
     def test_round_the_triangle_are_the_corners_in_turn_and_the_middles_of_the_sides(self):
-        corners = np.array([around(k) for k in range(4)])
+        corners = np.array([around(float(k)) for k in range(4)])
         np.testing.assert_allclose(corners, CORNERS[[0, 1, 2, 0]])
         np.testing.assert_allclose(around(1.5), (CORNERS[1] + CORNERS[2]) / 2)
 
