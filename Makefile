@@ -32,9 +32,11 @@ reproduce: probe ## run all notebooks on DATASET with PRESET, redoing only what 
 figures: probe ## make the committed notebooks and figures again that are older than their code or data
 	@$(BIN)/python -m stylephase.report.fresh make
 
-# Worksteal: each process begins with half of the modules, so few of their fixtures are made twice.
+# Worksteal: each process begins with half of the modules, so few of their fixtures are made twice. The browser's tests
+# measure delays of a hundredth of a second, so nothing else may run beside them.
 test: probe lint ## run all checks
-	$(BIN)/python -m pytest -n $(CORES) --dist worksteal
+	$(BIN)/python -m pytest tests/browser
+	$(BIN)/python -m pytest -n $(CORES) --dist worksteal --ignore tests/browser
 
 lint: $(VENV)/set-up ## check style and types
 	$(BIN)/ruff check

@@ -36,16 +36,19 @@ def lab(root, tmp_path_factory) -> Iterator[Lab]:
 
 
 def test_frames_go_out_at_60_a_second(lab):
+    """By the median second: after a halt of the machine, late frames follow at once."""
     lab.wait(lambda told: told["running"])
-    before, start = lab.told()["sent"], time.monotonic()
-    time.sleep(3)
-    rate = (lab.told()["sent"] - before) / (time.monotonic() - start)
-    assert 45 < rate < 62
+    rates = []
+    for _ in range(5):
+        before, start = lab.told()["sent"], time.monotonic()
+        time.sleep(1)
+        rates.append((lab.told()["sent"] - before) / (time.monotonic() - start))
+    assert 45 < np.median(rates) < 63, rates
 
 
 def test_keys_act_within_a_tenth_of_a_second_and_move_one_character_only(lab):
     lab.click()
-    other, delays = lab.told(1), [lab.delay(0.3) for _ in range(5)]
+    other, delays = lab.told(1), [lab.delay(0.3) for _ in range(9)]
     assert np.median(delays) < 0.1, delays
     assert np.linalg.norm(lab.told()["place"]) > 0.3
     np.testing.assert_allclose(lab.told(1)["place"], other["place"], atol=0.05)
