@@ -22,11 +22,12 @@ help: ## list the commands
 	@sed -n 's/^\([a-z]*\):.*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
 	@echo "variables: DATASET=$(DATASET) PRESET=$(PRESET) CORES=$(CORES) PYTHON=$(PYTHON) VENV=$(VENV)"
 
-# flock lets a second run wait, and ends with its process; Snakemake's own lock would outlive a kill.
+# flock lets a second run wait, and ends with its process; Snakemake's own lock would outlive a kill. With its limit of
+# jobs a second it looks at all files again every second, which takes a fifth of a processor; every five are enough.
 reproduce: probe ## run all notebooks on DATASET with PRESET, redoing only what changed
 	@mkdir -p build
 	@PATH=$(abspath $(BIN)):$$PATH flock build/lock snakemake --cores $(CORES) --nolock --rerun-incomplete \
-		--config 'dataset=$(DATASET)' preset=$(PRESET) 2> build/pipeline.log || \
+		--max-jobs-per-timespan 1000/5s --config 'dataset=$(DATASET)' preset=$(PRESET) 2> build/pipeline.log || \
 		{ echo "stylephase: the pipeline stopped; build/pipeline.log tells where" >&2; exit 2; }
 
 figures: probe ## make the committed notebooks and figures again that are older than their code or data

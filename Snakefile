@@ -48,8 +48,10 @@ HELD_OUT_RUN = f"build/runs/{SET}-{PRESET}-{SPARING}"
 FIGURES = f"build/figures/{SET}-{PRESET}"
 COPIES = f"build/notebooks/{SET}-{PRESET}"
 
-# Notebooks that read all runs are among the longest: with the runs first, two of them go side by side at the end.
+# Runs come first, for most notebooks wait for them, and the longest notebooks before the others: a short one at the end
+# leaves no processor waiting for long.
 SOONER = 1
+LONGEST = ("02_local_phases", "06_failure_cases", "09_play")
 
 # Jobs speak on standard output, so that `make` can send Snakemake's own account of them to a file.
 shell.prefix("set -euo pipefail; exec 2>&1; ")
@@ -198,6 +200,7 @@ rule evaluate:
 rule notebook:
     input: "notebooks/{notebook}.py", needs, code("report")
     output: f"{COPIES}/{{notebook}}.ipynb", f"{FIGURES}/{{notebook}}.json"
+    priority: lambda wildcards: SOONER if wildcards.notebook in LONGEST else 0
     params: more=lambda wildcards: f"--param run {SPARING}" if wildcards.notebook == "08_new_styles" else ""
     shell:
         """
