@@ -39,7 +39,7 @@ from stylephase.data.layouts import published_entries
 from stylephase.evaluation.protocol import KEPT_BACK, drawn_styles, epochs, in_turn, passes, try_bone_term
 from stylephase.evaluation.report import groups_of
 from stylephase.evaluation.rollouts import codes_of, start_of
-from stylephase.evaluation.runs import find_runs
+from stylephase.evaluation.runs import find_runs, run_name
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
 from stylephase.files import read_json
@@ -57,8 +57,7 @@ from stylephase.training.checks import changed_by_training, off_from_equation_5
 from stylephase.training.loop import Trainer
 from stylephase.training.presets import PRESETS
 
-name = dataset.replace(":", "-").replace("/", "-")
-runs = sorted((ROOT / runs_folder).glob(f"{name}-{preset}-{model}-seed*/evaluation.json"))
+runs = sorted((ROOT / runs_folder).glob(f"{run_name(dataset, preset, model)}-seed*/evaluation.json"))
 results = [read_json(path) for path in runs]
 logs = [read_json(path.parent / "log.json") for path in runs]
 seeds = [result["about"]["seed"] for result in results]

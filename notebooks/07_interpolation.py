@@ -43,6 +43,7 @@ from stylephase.evaluation import interpolation
 from stylephase.evaluation.interpolation import SHARES, blend_of, blended_codes, blended_gains, mean_over_pairs
 from stylephase.evaluation.release_blends import FIG_8, PAST_THE_TRUNK, hand_to_trunk, release_blends
 from stylephase.evaluation.report import groups_of
+from stylephase.evaluation.runs import run_name
 from stylephase.evaluation.style import style_space
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
@@ -60,8 +61,8 @@ from stylephase.report.walks import pick, walking_motion
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out
 
-name, figures = dataset.replace(":", "-").replace("/", "-"), ROOT / figures_folder
-folders = {model: ROOT / runs_folder / f"{name}-{preset}-{model}-seed0" for model in models}
+figures = ROOT / figures_folder
+folders = {model: ROOT / runs_folder / run_name(dataset, preset, f"{model}-seed0") for model in models}
 bundles = {model: load_bundle(folder) for model, folder in folders.items()}
 walks = {model: read_json(folder / "evaluation.json")["rollouts"]["walks"] for model, folder in folders.items()}
 gains = {model: {walk["style"]: walk["gain"] for walk in some} for model, some in walks.items()}

@@ -40,6 +40,7 @@ from stylephase.evaluation.embedding import codes_of_clips, nearest_centroid, pi
 from stylephase.evaluation.new_styles import new_style_errors
 from stylephase.evaluation.predictors import fit_ridge, predict_hold, untrained
 from stylephase.evaluation.rollouts import SETTLE, codes_of, local_poses, start_of, walking_speed
+from stylephase.evaluation.runs import run_name
 from stylephase.evaluation.style import style_space
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
@@ -58,10 +59,7 @@ from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out
 from stylephase.training.finetune import FineTuning, fine_tune, with_new_codes
 
-folder, figures = (
-    ROOT / runs_folder / f"{dataset.replace(':', '-').replace('/', '-')}-{preset}-{run}",
-    ROOT / figures_folder,
-)
+folder, figures = ROOT / runs_folder / run_name(dataset, preset, run), ROOT / figures_folder
 base, catalogue = load_bundle(folder), load_catalogue(dataset)
 store = VectorStore(catalogue, base.about["phases"])
 known = [store.load(style) for style in base.styles]

@@ -43,6 +43,7 @@ from stylephase.evaluation.bench.crowds import crowd_rows
 from stylephase.evaluation.robustness import as_json, endure
 from stylephase.evaluation.robustness import table as endured_table
 from stylephase.evaluation.rollouts import codes_of, walking_speed
+from stylephase.evaluation.runs import run_name
 from stylephase.evaluation.starts import walked_starts
 from stylephase.evaluation.style import style_space
 from stylephase.features.store import VectorStore, for_gate
@@ -81,8 +82,8 @@ Viewer(zombie, recording=played.recording(walk))
 # ## The network that is measured
 
 # %%
-name = dataset.replace(":", "-").replace("/", "-")
-runs = sorted((ROOT / runs_folder).glob(f"{name}-{preset}-{model}-seed*/evaluation.json"))
+name = run_name(dataset, preset, model)
+runs = sorted((ROOT / runs_folder).glob(f"{name}-seed*/evaluation.json"))
 folder = ROOT / weights if weights else runs[0].parent
 bundle, figures = load_weights(str(folder)), ROOT / figures_folder
 store = VectorStore(load_catalogue(dataset, bundle.styles), bundle.about["phases"])
@@ -307,7 +308,7 @@ wander = partial(endure, bundle, bundle.styles, gains=gains, seconds=seconds, cu
 alone = wander(codes, start, seconds=min(seconds, 30.0), fast=fast["ONNX"], seed=1)
 space = style_space(styles, bundle.body.layout)
 known = played.recognised(bundle, codes, start, gains, space)
-maker = bundle if bundle.makes_codes else played.with_style_network(ROOT / runs_folder, f"{name}-{preset}-{model}")
+maker = bundle if bundle.makes_codes else played.with_style_network(ROOT / runs_folder, name)
 one_clip = maker and played.endure_from_one_clip(maker, styles, wanted, min(seconds, 60.0), space)
 held = {"stored means": (alone, known)} | ({"one clip": (one_clip.endured, one_clip.recognised)} if one_clip else {})
 table(

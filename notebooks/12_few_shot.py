@@ -74,6 +74,7 @@ from stylephase.evaluation.fewshot import (
 from stylephase.evaluation.protocol import in_turn, l1_slopes_off, rounds_of
 from stylephase.evaluation.retargeting import XIA, xia_styles
 from stylephase.evaluation.rollouts import local_poses, start_of
+from stylephase.evaluation.runs import run_name
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore, for_gate
 from stylephase.files import read_json
@@ -102,8 +103,7 @@ from stylephase.training.loop import Trainer
 from stylephase.training.presets import L1, preset_for
 from stylephase.training.sampler import Scaling
 
-name_of_set = dataset.replace(":", "-").replace("/", "-")
-folders = [ROOT / runs_folder / f"{name_of_set}-{preset}-{one}" for one in (run, run_neutral)]
+folders = [ROOT / runs_folder / run_name(dataset, preset, one) for one in (run, run_neutral)]
 figures, (base, neutral_base) = ROOT / figures_folder, map(load_bundle, folders)
 (neutral,) = neutral_base.styles
 store = VectorStore(load_catalogue(dataset), base.about["phases"])

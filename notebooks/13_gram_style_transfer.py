@@ -39,6 +39,7 @@ from IPython.display import Image, Markdown
 from stylephase.data.catalogue import load_catalogue
 from stylephase.evaluation import gram as rival
 from stylephase.evaluation.comparison import difference, group_difference, median_with_interval
+from stylephase.evaluation.runs import run_name
 from stylephase.evaluation.validation import reference_of
 from stylephase.features.channels import channels_of
 from stylephase.features.layout import FPS
@@ -48,7 +49,7 @@ from stylephase.models.bundle import load_bundle
 from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
-from stylephase.report.recorder import Recorder
+from stylephase.report.recorder import QUICK, Recorder
 from stylephase.report.render import Layout, grid
 from stylephase.report.show import figure, markdown_table, table
 from stylephase.report.transferred import distances_plot, motion_of, paths_plot
@@ -56,9 +57,8 @@ from stylephase.report.walks import walking_motion
 from stylephase.runtime.gram import GramSettings, anatomy_of, gram_of, reconstructed
 from stylephase.training.autoencoder import AutoencoderTraining, train_autoencoder
 
-figures, rng, quick = ROOT / figures_folder, np.random.default_rng(0), preset == "quick"
-stem = f"{dataset.replace(':', '-').replace('/', '-')}-{preset}"
-places = [ROOT / runs_folder / f"{stem}-{run}", ROOT / "data" / "pretrained" / f"{dataset}-base"]
+figures, rng, quick = ROOT / figures_folder, np.random.default_rng(0), preset == QUICK
+places = [ROOT / runs_folder / run_name(dataset, preset, run), ROOT / "data" / "pretrained" / f"{dataset}-base"]
 chosen = rival.weights_folder(ROOT / weights if weights else None, *places)
 base, catalogue = load_bundle(chosen), load_catalogue(dataset)
 store = VectorStore(catalogue, base.about.get("phases", "adaptive"))
@@ -105,7 +105,8 @@ table(("content", "s"), *((name, f"{len(content) / FPS:.1f}") for name, content 
 how = AutoencoderTraining(steps=100) if quick else AutoencoderTraining()
 begun = time.process_time()
 network, errors = train_autoencoder(rival.known_stretches(materials.values(), layout), how=how, seed=seed)
-training_s, folder = time.process_time() - begun, ROOT / runs_folder / f"{stem}-autoencoder-seed{seed}"
+training_s = time.process_time() - begun
+folder = ROOT / runs_folder / run_name(dataset, preset, f"autoencoder-seed{seed}")
 save_autoencoder(folder, network, {"data": dataset, "steps": how.steps, "seed": seed})
 walks = {s: channels_of(materials[s].style, materials[s].unseen[0], layout) for s in [neutral, *targets]}
 lost = {s: rival.joints_apart(walk, reconstructed(network, walk)) for s, walk in walks.items()}

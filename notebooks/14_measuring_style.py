@@ -39,7 +39,7 @@ from stylephase.data.catalogue import load_catalogue
 from stylephase.evaluation.comparison import difference, mean_with_interval
 from stylephase.evaluation.fewshot import courses_of, rival_courses, rivals, straight_walk, study_of
 from stylephase.evaluation.measures import MEASURES, fast_share, measured, windows_in
-from stylephase.evaluation.runs import by_model, find_runs
+from stylephase.evaluation.runs import by_model, find_runs, run_name
 from stylephase.evaluation.validation import kept_measures, reference_of, split, try_measures
 from stylephase.evaluation.walked import recordings, walk_all
 from stylephase.features.store import VectorStore
@@ -209,7 +209,7 @@ ALONE = "clip alone"
 
 
 def folder_of_base() -> Path:
-    return ROOT / runs_folder / f"{dataset.replace(':', '-').replace('/', '-')}-{preset}-{base}"
+    return ROOT / runs_folder / run_name(dataset, preset, base)
 
 
 def of_2018() -> dict[str, dict]:

@@ -64,6 +64,14 @@ class Run:
         return self.folder / _EVALUATION
 
 
+def run_name(dataset: str, preset: str, run: str) -> str:
+    """The name of a run's folder; `run` is `<model>[-<variant>]-seed<number>`, or a pattern of such names.
+
+    A data set's name may hold a path (`own:FOLDER`), a folder's name may not.
+    """
+    return f"{dataset.replace(':', '-').replace('/', '-')}-{preset}-{run}"
+
+
 def keep_run(folder: Path, result: dict[str, Any], kept: Path = KEPT) -> Path:
     """Keep what was measured of a run, its `result` and its learning curve, under the name of its folder."""
     place = kept / folder.resolve().name
@@ -78,9 +86,8 @@ def find_runs(folder: Path, dataset: str, preset: str, *, kept: Path | None = KE
     A run without `evaluation.json` is not there yet. Of runs that are not in the folder, what is `kept` counts; with
     `weights` only those count of which the weights are there.
     """
-    name = dataset.replace(":", "-").replace("/", "-")
-    models = "|".join(PAPER_2022)
-    pattern = re.compile(rf"{re.escape(name)}-{re.escape(preset)}-({models})(?:-([a-z0-9]+))?-seed(\d+)")
+    models, stem = "|".join(PAPER_2022), re.escape(run_name(dataset, preset, ""))
+    pattern = re.compile(rf"{stem}({models})(?:-([a-z0-9]+))?-seed(\d+)")
     places = [place for place in (kept, folder) if place is not None]
     folders = {path.parent.name: path.parent for place in places for path in place.glob(f"*/{_EVALUATION}")}
     matches = [(path, pattern.fullmatch(path.name)) for path in folders.values()]
