@@ -60,13 +60,14 @@ figures, rng = ROOT / figures_folder, np.random.default_rng(0)
 FILM = ("pfnn-film", "mann-film", "lpn-film")
 MODULATED = ("lpn-onehot", "lpn-resad", "lpn-film")
 # The styles of Fig. 5 and 9.
-NAMED = PENDULUM, SWIMMING = ("PendulumHands", "Swimming")
+PENDULUM, SWIMMING = "PendulumHands", "Swimming"
+NAMED = (PENDULUM, SWIMMING)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A data set with the runs on it: the recorded walks, and those of the first seed of each model. `runs` are all
-    that were evaluated."""
+    """A data set with all evaluated runs on it: the recorded walks, and those of the first run with weights of each
+    model."""
 
     name: str
     data: Recorded
@@ -75,17 +76,16 @@ class Case:
     runs: dict[str, list[Run]]
 
 
-def first_runs(dataset: str, preset: str) -> dict[str, Run]:
-    groups = by_model(find_runs(ROOT / runs_folder, dataset, preset, weights=True))
-    return {model: runs[0] for model, runs in groups.items()}
-
-
-def open_case(dataset: str, preset: str, models: tuple[str, ...]) -> Case:
-    first = first_runs(dataset, preset)
+def open_case(dataset: str, preset: str, models: tuple[str, ...]) -> Case | None:
+    """None where there is no LPN FiLM to compare with."""
+    runs = by_model(find_runs(ROOT / runs_folder, dataset, preset))
+    whole = {model: [run for run in some if run.has_weights] for model, some in runs.items()}
+    first = {model: some[0] for model, some in whole.items() if some}
+    if "lpn-film" not in first:
+        return None
     about = first["lpn-film"].evaluation["about"]
     store = VectorStore(load_catalogue(dataset), about["phases"])
     data = recordings(store, [style for style in store.catalogue.styles if style in about_styles(first)])
-    runs = by_model(find_runs(ROOT / runs_folder, dataset, preset))
     return Case(f"{dataset} ({about['origin']})", data, first, walked_by(first, data, models), runs)
 
 
@@ -97,12 +97,13 @@ def walked_by(first: dict[str, Run], data: Recorded, models: tuple[str, ...]) ->
     return {model: walk_all(first[model], data) for model in models if model in first}
 
 
-main = open_case(dataset, preset, tuple(dict.fromkeys(FILM + MODULATED)))
+ALL = tuple(dict.fromkeys(FILM + MODULATED))
+main = open_case(dataset, preset, ALL)
+assert main, f"needs a run of lpn-film on {dataset}, preset {preset}, in {runs_folder}"
 # Two more cases where their runs are there: the synthetic walker's styles, whose truth is known, and the paper's own
 # styles, as its authors' LPN-FiLM walks them, which favours LPN-FiLM here.
-others = [("synthetic", "quick", FILM), (beside, preset, tuple(dict.fromkeys(FILM + MODULATED)))]
-others = [other for other in others if other[0] != dataset and "lpn-film" in first_runs(*other[:2])]
-cases = [*(open_case(*other) for other in others), main]
+others = [other for other in (("synthetic", "quick", FILM), (beside, preset, ALL)) if other[0] != dataset]
+cases = [*(case for other in others if (case := open_case(*other))), main]
 Markdown("; ".join(f"{case.name}: {len(case.data.styles)} styles, {', '.join(case.walked)}" for case in cases))
 
 # %% [markdown]

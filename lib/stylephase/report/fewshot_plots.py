@@ -14,6 +14,7 @@ from stylephase.report import palette, plots
 
 _WIDTH = 7.2
 _MARKERS = ("o", "^", "s", "D")
+_LINES = ("-", "--", ":", "-.", (0, (1, 3)))
 
 
 def ways(errors: Mapping[str, Middle], floor: float) -> Axes:
@@ -39,15 +40,17 @@ def sweeps(panels: Mapping[str, Mapping[str, Mapping[float, Middle]]], labels: M
         row = list(figure.subplots(1, len(panels), sharey=True, squeeze=False)[0])
         for axes, (title, lines) in zip(row, panels.items(), strict=True):
             for k, (label, points) in enumerate(lines.items()):
-                at, values = list(points), list(points.values())
-                colour = palette.colour_of_adapter(label, palette.SEQUENCE[k % len(palette.SEQUENCE)])
-                marker = _MARKERS[k % len(_MARKERS)]
-                axes.plot(at, [m.value for m in values], marker=marker, color=colour, label=label)
-                low, high = ([getattr(m, end) for m in values] for end in ("low", "high"))
+                values = list(points.values())
                 # A little apart, so that one line does not hide the next.
-                axes.vlines(np.array(at) + 0.012 * k * np.ptp(at), low, high, color=colour, linewidth=1.2, alpha=0.6)
+                at = np.array(list(points)) + 0.01 * (k - (len(lines) - 1) / 2) * np.ptp(list(points))
+                colour = palette.colour_of_adapter(label, palette.SEQUENCE[k % len(palette.SEQUENCE)])
+                marker, line = _MARKERS[k % len(_MARKERS)], _LINES[k % len(_LINES)]
+                axes.plot(at, [m.value for m in values], marker=marker, linestyle=line, color=colour, label=label)
+                low, high = ([getattr(m, end) for m in values] for end in ("low", "high"))
+                axes.vlines(at, low, high, color=colour, linewidth=1.2, alpha=0.6)
             axes.set(title=title, xlabel=labels[title])
-            axes.legend()
+            # Beside the lines, which may be anywhere.
+            axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
         row[0].set_ylabel("mean pose error (cm)")
     return row
 
