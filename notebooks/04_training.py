@@ -36,7 +36,16 @@ from IPython.display import Image, Markdown
 
 from stylephase.data.catalogue import load_catalogue
 from stylephase.data.layouts import published_entries
-from stylephase.evaluation.protocol import KEPT_BACK, drawn_styles, epochs, in_turn, passes, try_bone_term
+from stylephase.evaluation.protocol import (
+    KEPT_BACK,
+    changed_by_training,
+    drawn_styles,
+    epochs,
+    in_turn,
+    off_from_equation_5,
+    passes,
+    try_bone_term,
+)
 from stylephase.evaluation.report import groups_of
 from stylephase.evaluation.rollouts import codes_of, start_of
 from stylephase.evaluation.runs import find_runs, run_name
@@ -53,7 +62,6 @@ from stylephase.report.render import Layout, grid, movie
 from stylephase.report.walks import data_walk, interval, pick, summary, walking_motion
 from stylephase.runtime.plans import Steady, TurnOnce
 from stylephase.runtime.rollout import roll_out
-from stylephase.training.checks import changed_by_training, off_from_equation_5
 from stylephase.training.loop import Trainer
 from stylephase.training.presets import PRESETS
 

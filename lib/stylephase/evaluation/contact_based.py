@@ -1,8 +1,6 @@
 """Training on phases that are read from contacts alone, to see what contact-free phases are worth ([M22] 5.1.1)."""
 
 from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from jaxtyping import Bool
 from numpy import ndarray
@@ -11,7 +9,7 @@ from stylephase.features.layout import Layout
 from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.models.bundle import Bundle
 from stylephase.runtime.rollout import Tick, quiet
-from stylephase.training.loop import Trainer
+from stylephase.training.loop import trained
 from stylephase.training.presets import preset as find_preset
 
 # A foot that is in contact for less of the time than this never touches the floor.
@@ -51,5 +49,4 @@ class ContactBasedStore(VectorStore):
 def train_contact_based(store: VectorStore, preset: str, seed: int = 0, tick: Tick = quiet) -> Bundle:
     """LPN with FiLM trained like any other, but on phases from contacts alone."""
     blind = ContactBasedStore(store.catalogue, store.phases)
-    with TemporaryDirectory() as folder:
-        return Trainer(blind, "lpn-film", find_preset(preset), preset, seed).run(Path(folder), tick)
+    return trained(blind, "lpn-film", find_preset(preset), preset, seed, tick)

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import torch
@@ -18,7 +16,7 @@ from stylephase.evaluation.test_error import error_of, test_rows
 from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.models.bundle import Bundle
 from stylephase.runtime.rollout import Tick, quiet
-from stylephase.training.loop import Trainer
+from stylephase.training.loop import Trainer, trained
 from stylephase.training.losses import bone_lengths, shared_weights, style_weights
 from stylephase.training.presets import Preset
 
@@ -26,6 +24,8 @@ from stylephase.training.presets import Preset
 KEPT_BACK = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
 # The held-out windows of a take: a tenth to validate and a tenth to test; transitions have none ([M22] release 4.1).
 _WINDOWS, _SHARE, _TRANSITION = 2, 10, "TR"
+# Frames on which the loss is held against Eq. 5.
+_ROWS = 64
 
 
 def drawn_styles(
@@ -104,6 +104,41 @@ def _slope_off(weights: Sequence[Tensor], weight: float) -> float:
     return max(float((count * a - weight * w.detach().sign()).abs().max()) for a, w in zip(found, weights, strict=True))
 
 
+def changed_by_training(trainer: Trainer, rounds: int = 3) -> dict[str, float]:
+    """The share of tensors of each network (`synthesis`, `generator`) that some rounds of training change.
+
+    Where one of them is not trained, its share is 0; who trains both end to end has 1 and 1 ([M22] 4.3). More than one
+    round, as a generator begins with codes that do not yet heed the clip.
+    """
+    before = {name: weight.detach().clone() for name, weight in trainer.network.named_parameters()}
+    for _ in range(rounds):
+        trainer.round()
+    changed: dict[str, list[bool]] = {}
+    for name, weight in trainer.network.named_parameters():
+        changed.setdefault(name.partition(".")[0], []).append(not torch.equal(weight, before[name]))
+    return {network: float(np.mean(some)) for network, some in changed.items()}
+
+
+def off_from_equation_5(trainer: Trainer, seed: int = 0) -> float:
+    """The relative difference of the trainer's loss from [M22] Eq. 5 written out, for outputs that are off at random.
+
+    The mean of squares over all outputs, and over all bones the difference of their lengths in metres.
+    """
+    chosen = np.zeros(1, dtype=int)
+    y = trainer.sampler.draw_frames(chosen, _ROWS).y
+    predicted = y + torch.randn(y.shape, generator=torch.Generator().manual_seed(seed))
+    ours, weight = trainer.loss(y, predicted, chosen)[0], trainer.preset.bone_weight
+    mean, std = trainer.normaliser.y_mean, trainer.normaliser.y_std
+    lengths = [_bones(rows.numpy().astype(float) * std + mean, trainer) for rows in (y, predicted)]
+    written = np.square((predicted - y).numpy()).mean() + weight * np.abs(lengths[0] - lengths[1]).mean()
+    return abs(float(ours) - float(written)) / float(written)
+
+
+def _bones(y: np.ndarray, trainer: Trainer) -> np.ndarray:
+    places = y[:, trainer.body.layout.y_pose].reshape(len(y), -1, 12)[:, :, :3]
+    return np.stack([np.linalg.norm(places[:, a] - places[:, b], axis=1) for a, b in trainer.body.bones], axis=1)
+
+
 def epochs(steps: int, batch: int, takes: Iterable[Entry]) -> float:
     """Epochs of a training in which the styles of the takes follow one another, a batch of one style a step.
 
@@ -147,7 +182,7 @@ def try_bone_term(
     """Train a model with the bone-length term of [M22] Eq. 5, without it, and with another seed."""
     without = replace(preset, bone_weight=0.0)
     held, flat, other = (
-        _errors(_train(store, model, how, name, seed, tick), store)
+        _errors(trained(store, model, how, name, seed, tick), store)
         for how, seed in ((preset, 0), (without, 0), (preset, 1))
     )
     return BoneTerm(
@@ -155,11 +190,6 @@ def try_bone_term(
         again=ratio(other[:1], held[:1], rng),
         squared=ratio(flat[1:], held[1:], rng),
     )
-
-
-def _train(store: VectorStore, model: str, preset: Preset, name: str, seed: int, tick: Tick) -> Bundle:
-    with TemporaryDirectory() as folder:
-        return Trainer(store, model, preset, name, seed).run(Path(folder), tick)
 
 
 def _errors(bundle: Bundle, store: VectorStore) -> Float[ndarray, "2 styles"]:

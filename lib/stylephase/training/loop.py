@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -236,6 +237,14 @@ class Trainer:
         about |= {"gaits": sorted(catalogue.gaits), "phases": self.preset.phases}
         about |= {"preset": self.preset_name, "seed": self.seed, "steps": self.step}
         return about | {"seconds": round(self.seconds, 1), "processor_seconds": round(self.processor_seconds, 1)}
+
+
+def trained(
+    store: VectorStore, model: str, preset: Preset, name: str, seed: int, tick: Callable[[int], object]
+) -> Bundle:
+    """A network trained to be looked at and forgotten: nothing of its training stays on disk."""
+    with TemporaryDirectory() as folder:
+        return Trainer(store, model, preset, name, seed).run(Path(folder), tick)
 
 
 def rate_factor(step: int, preset: Preset) -> float:

@@ -6,15 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tiny_training as tiny
 
 from stylephase.data.catalogue import load_catalogue
 from stylephase.data.layouts import Entry, published_entries
 from stylephase.evaluation.protocol import (
     KEPT_BACK,
+    changed_by_training,
     drawn_styles,
     epochs,
     in_turn,
     l1_slopes_off,
+    off_from_equation_5,
     passes,
     rounds_of,
     try_bone_term,
@@ -93,3 +96,17 @@ def test_the_slopes_of_the_l1_terms_are_those_of_the_paper_and_are_missed_where_
     trainer.l1_terms = lambda chosen: 0 * Trainer.l1_terms(trainer, chosen)
     off = l1_slopes_off(trainer, 1)
     assert off["shared"] > 0.005 and off["its own"] > 0.005 and off["other styles'"] == 0
+
+
+def test_both_networks_change_and_one_that_is_not_trained_does_not():
+    assert changed_by_training(tiny.trainer()) == {"synthesis": 1.0, "generator": 1.0}
+    frozen = tiny.trainer()
+    frozen.optimisers["generator"].step = lambda *_: None
+    assert changed_by_training(frozen)["generator"] == 0.0
+
+
+def test_the_loss_is_equation_5_and_another_weight_of_bones_is_not():
+    assert off_from_equation_5(tiny.trainer()) < 1e-6
+    other = tiny.trainer()
+    other.scaling.y[1] *= 1.5
+    assert off_from_equation_5(other) > 1e-4
