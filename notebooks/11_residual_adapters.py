@@ -272,7 +272,7 @@ judge("m18-full-adapter-share", full.verdict == REPRODUCED, value=round(full.cou
 judge("m18-eq6-cp", cp_off < 1e-12, "against the full matrices of its control points", value=cp_off)
 judge("m18-cp-rank", ranks == [30], "of the matrices of base styles' adapters", value=ranks[0])
 sized = of_rank == by_sum and max(of_rank.values()) > 50 * min(of_rank.values())
-note = f"parameters of rank {min(RANKS)} and {max(RANKS)}; whether more data need more is left to the training"
+note = f"parameters of rank {min(RANKS)} and {max(RANKS)}; whether more data want more is asked in notebook 12"
 judge("m18-adjustable-size", sized, note, value=[of_rank[n] for n in (min(RANKS), max(RANKS))], n=len(RANKS))
 judge("m18-cp-share-training", trained.verdict == REPRODUCED, trained.note, value=round(trained.counted, 2))
 judge("m18-cp-share-runtime", stored.verdict == REPRODUCED, stored.note, value=round(stored.counted, 3))

@@ -801,13 +801,11 @@ rows = [c.paper_value for name, c in recorder.catalogue.claims.items() if name.s
 printed = np.array(rows)
 
 
-def of_print(identifier: str, some: np.ndarray, what: str, least: float) -> None:
-    value = [int(some.sum()), len(some)]
-    verdict = REPRODUCED if some.mean() >= least else DIFFERS
-    recorder.claim(identifier, verdict=verdict, note=f"rows of the paper's own Table 2 {what}, of all", value=value)
+def of_print(identifier: str, some: np.ndarray, what: str) -> None:
+    recorder.not_testable(identifier, f"CMU's clips; of {len(some)} rows of the paper's Table 2 {some.sum()} {what}")
 
 
-of_print("m18-fewshot-one-cycle", printed[:, 1] == 1, "with one cycle", 1 / len(printed))
+of_print("m18-fewshot-one-cycle", printed[:, 1] == 1, "have one cycle")
 scaling, one_clip = Scaling(base.normaliser, base.layout), study.clips[0]
 learned_from = [
     len(lesson_rows(replace(one_clip, symmetric=symmetric), scaling, None)["x"]) / len(study.styles[0].cycles.rows())
@@ -837,8 +835,8 @@ judge(
 )
 judge("m18-fewshot-frozen-base", moved == 0 and kept_shared, "tensors of the base, compared bit by bit")
 seconds_printed = printed[:, 0] / FPS
-note = f"with the frames of 1 to 5 s at {FPS:g} a second"
-of_print("m18-fewshot-clip-seconds", (seconds_printed >= 1) & (seconds_printed <= 5), note, 0.5)
+note = f"have the frames of 1 to 5 s at {FPS:g} a second"
+of_print("m18-fewshot-clip-seconds", (seconds_printed >= 1) & (seconds_printed <= 5), note)
 note = f"share held straight on, and of circles, fine-tuned; ours hold {turning:.2f} of the circles"
 value = [round(holding["fine-tuned"]["straight"], 2), round(circle_share["fine-tuned"].value, 2)]
 judge("m18-fig6-fine-tuned-turn", value[0] > 0.8 and value[1] < 0.5 < turning, note, value=value)
@@ -877,8 +875,9 @@ judge(
 note = "circles held to the left with full adapters, to the right, and to the left with CP, over all styles; full less "
 note += f"CP {to_the_left}, full left less right {one_sided}; drawn is {strong}"
 value = [round(float(by_hand[key].mean()), 2) for key in (("full", "left"), ("full", "right"), ("CP", "left"))]
-judge("m18-fig7c-elated-full", seen_as["full"] > 0.5 and to_the_left.high < 0, note, value=value)
-judge("m18-fig7d-elated-cp", seen_as["CP"] > 0.5 and to_the_left.high < 0, note, value=value)
+# Turning left fails where most circles to the left are lost.
+judge("m18-fig7c-elated-full", seen_as["full"] > 0.5 and value[0] < 0.5, note, value=value)
+judge("m18-fig7d-elated-cp", seen_as["CP"] > 0.5 and value[2] > 0.8, note, value=value)
 judge(
     "m18-neutral-base-gives-neutral",
     better["CP on neutral"],
@@ -1050,8 +1049,9 @@ if dataset == "bandai-namco" and not quick:
         "run-adapter": posture[1],
     }
     for name, effect in ours.items():
-        value = [round(v, 3) for v in effect.interval]
-        recorder.claim(f"ours-fewshot-{name}", value=value, note="value, low and high", **each_style)
+        identifier, value = f"ours-fewshot-{name}", [round(v, 3) for v in effect.interval]
+        note = f"{effect}; all three are to be {recorder.catalogue.claims[identifier].bounds}"
+        recorder.claim(identifier, value=value, note=note, **each_style)
     if xia:
         note = f"{len(styles)} styles; joints are {np.mean([c.off for c in carried]):.1f} cm off after carrying over"
         recorder.claim("ours-fewshot-xia", value=round(float(np.mean(xia_held)), 3), n=len(styles), note=note)

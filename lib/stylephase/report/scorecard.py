@@ -1,7 +1,7 @@
 """The scorecard: every claim with the paper's value, ours and a verdict, as Markdown.
 
-`python -m stylephase.report.scorecard --write` brings the README's section and the statuses in data/claims.toml into
-step with figures/*.json; `--check` fails where they are stale.
+`python -m stylephase.report.scorecard --write` brings the README's two sections and the statuses in data/claims.toml
+into step with figures/*.json; `--check` fails where they are stale.
 """
 
 import argparse
@@ -16,8 +16,9 @@ from stylephase.errors import InputError
 from stylephase.files import write_text
 from stylephase.report.claims import (
     DIFFERS,
-    NOT_TESTABLE,
+    OTHER_DATA,
     PAPERS,
+    REPRODUCED,
     STATUSES,
     VERDICTS,
     Catalogue,
@@ -33,7 +34,13 @@ from stylephase.report.manifest import ROOT
 
 OPEN, RECORDED = STATUSES
 OUTCOMES = (*VERDICTS, OPEN)
-BEGIN, END = "<!-- scorecard -->", "<!-- /scorecard -->"
+HEADLINE, SCORECARD = "headline", "scorecard"
+# Numbers and settings can agree because a thing is built alike; these say how it behaves.
+_STATEMENTS = ("ordering", "qualitative", "figure")
+HOW_SURE = (
+    "Square brackets hold 95 % intervals, over styles, and over seeds where there are several. A claim that differs "
+    "with an interval on both sides of no effect was not shown, which is less than contradicted."
+)
 MAIN_HEADER = "| What the papers say | Verdict | What we found | Notebook |\n|---|---|---|---|"
 HEADER = "| Where | Claim | Paper | Ours | Verdict | Notebook |\n|---|---|---|---|---|---|"
 
@@ -43,28 +50,71 @@ def results_of(records: Iterable[Record]) -> dict[str, Result]:
     return {result.id: result for record in records for result in record.results}
 
 
+def group_of(claim: Claim) -> str:
+    """The group in which a claim is counted: its paper, and whether it says how something behaves."""
+    kind = "statements and figures" if claim.kind in _STATEMENTS else "numbers and settings"
+    return PAPERS[claim.paper] if claim.paper == "ours" else f"{PAPERS[claim.paper]}, {kind}"
+
+
 def counts(catalogue: Catalogue, records: Iterable[Record]) -> dict[str, Counter[str]]:
-    """For each paper the number of claims with each verdict, and of those still open."""
-    results = results_of(records)
-    table = {paper: Counter({outcome: 0 for outcome in OUTCOMES}) for paper in PAPERS}
-    for claim in catalogue.claims.values():
-        table[claim.paper][results[claim.id].verdict if claim.id in results else OPEN] += 1
+    """For each group of claims how many have each verdict, and how many are still open."""
+    results, order = results_of(records), list(PAPERS)
+    claims = sorted(catalogue.claims.values(), key=lambda c: (order.index(c.paper), c.kind not in _STATEMENTS))
+    table = {group_of(claim): Counter({outcome: 0 for outcome in OUTCOMES}) for claim in claims}
+    for claim in claims:
+        table[group_of(claim)][_outcome(claim, results)] += 1
     return table
+
+
+def _outcome(claim: Claim, results: Mapping[str, Result]) -> str:
+    return results[claim.id].verdict if claim.id in results else OPEN
+
+
+def outcomes(table: Mapping[str, Counter[str]]) -> tuple[str, ...]:
+    """All verdicts, and `open` where a claim is."""
+    return OUTCOMES if any(row[OPEN] for row in table.values()) else VERDICTS
 
 
 def summary_line(catalogue: Catalogue, records: Iterable[Record]) -> str:
     """One sentence: how many claims there are and how many have each outcome."""
-    whole = sum(counts(catalogue, records).values(), Counter())
-    return f"{len(catalogue.claims)} claims: " + ", ".join(f"{whole[outcome]} {outcome}" for outcome in OUTCOMES) + "."
+    table = counts(catalogue, records)
+    whole = sum(table.values(), Counter())
+    told = ", ".join(f"{whole[outcome]} {outcome}" for outcome in outcomes(table))
+    return f"{len(catalogue.claims)} claims: {told}."
 
 
 def summary(catalogue: Catalogue, records: Iterable[Record]) -> str:
-    """The summary line and a table of counts, a row for each paper."""
+    """The summary line and a table of counts, a row for each group of claims."""
     table = counts(catalogue, records)
-    lines = [summary_line(catalogue, records), "", f"| | {' | '.join(OUTCOMES)} |", "|---" * (len(OUTCOMES) + 1) + "|"]
-    for paper, title in PAPERS.items():
-        lines.append(f"| {title} | " + " | ".join(str(table[paper][outcome]) for outcome in OUTCOMES) + " |")
+    shown = outcomes(table)
+    lines = [summary_line(catalogue, records), "", f"| | {' | '.join(shown)} |", "|---" * (len(shown) + 1) + "|"]
+    lines += [
+        f"| {title} | " + " | ".join(str(row[outcome]) for outcome in shown) + " |" for title, row in table.items()
+    ]
     return "\n".join(lines)
+
+
+def headline(catalogue: Catalogue, records: Iterable[Record]) -> str:
+    """What became of the papers' claims, without our own, and which of the main ones do not reproduce."""
+    results = results_of(records)
+    claims = [claim for claim in catalogue.claims.values() if claim.paper != "ours"]
+    main, said = [claim for claim in claims if claim.main], [claim for claim in claims if claim.kind in _STATEMENTS]
+    held = [claim for claim in main if _outcome(claim, results) in (REPRODUCED, OTHER_DATA)]
+    missed = [claim for claim in main if _outcome(claim, results) == DIFFERS]
+    lines = [
+        f"The two papers make {len(claims)} claims: {_told(claims, results)}. The statements and figures among them, "
+        f"which say how models behave, {len(said)}: {_told(said, results)}.",
+        "",
+        f"Of the {len(main)} main claims {len(held)} hold. **These do not reproduce:**",
+        "",
+        *(f"* {claim.name} ({claim.paper}, {claim.where})" for claim in missed),
+    ]
+    return "\n".join(lines)
+
+
+def _told(claims: Sequence[Claim], results: Mapping[str, Result]) -> str:
+    found = Counter(_outcome(claim, results) for claim in claims)
+    return ", ".join(f"{found[outcome]} {outcome}" for outcome in OUTCOMES if found[outcome])
 
 
 def tables(catalogue: Catalogue, records: Iterable[Record], links: str, only_tested: bool = False) -> str:
@@ -106,9 +156,9 @@ def _found(value: Any, unit: str, note: str) -> str:
 
 
 def row(claim: Claim, result: Result | None, links: str) -> str:
-    """One row: a reason stands beside a verdict that needs one."""
+    """One row: what the number is of, or the reason, stands beside the verdict."""
     verdict = result.verdict if result else OPEN
-    if result and verdict in (DIFFERS, NOT_TESTABLE):
+    if result and result.note:
         verdict = f"{verdict}: {result.note}"
     asked = shown(claim.paper_value, claim.unit) if claim.paper_value is not None else claim.bounds
     ours = shown(result.value, claim.unit) if result else ""
@@ -147,25 +197,31 @@ def older(stale: Mapping[str, str]) -> str:
 
 
 def section(catalogue: Catalogue, records: Sequence[Record], stale: Mapping[str, str] | None = None) -> str:
-    """The README's section, markers included: counts, the main claims, then all that were tested, folded away.
+    """The README's scorecard: counts, the main claims, then all that were tested, folded away.
 
     `stale` are notebooks that are older than their code or data, with the reasons; they are named below the counts.
     """
-    parts = [BEGIN, summary(catalogue, records), "", *([older(stale), ""] if stale else [])]
+    parts = [summary(catalogue, records), "", HOW_SURE, "", *([older(stale), ""] if stale else [])]
     if main := main_table(catalogue, records, "notebooks/"):
         parts += [main, ""]
     if tested := tables(catalogue, records, "notebooks/", only_tested=True):
-        parts += ["<details><summary>The claims tested so far</summary>", "", tested, "", "</details>", ""]
-    return "\n".join([*parts, "The full list, open claims too: [notebook 00](notebooks/00_scorecard.ipynb).", END])
+        parts += ["<details><summary>All claims, each with what was found</summary>", "", tested, "", "</details>", ""]
+    return "\n".join([*parts, "How verdicts are given: [notebook 00](notebooks/00_scorecard.ipynb)."])
 
 
-def with_section(text: str, new: str, path: Path) -> str:
-    """`text` with its scorecard replaced; raises InputError where the markers are missing."""
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
+def marks(name: str) -> tuple[str, str]:
+    """Where a section of the README begins and where it ends."""
+    return f"<!-- {name} -->", f"<!-- /{name} -->"
+
+
+def with_section(text: str, name: str, new: str, path: Path) -> str:
+    """`text` with one of its sections replaced; raises InputError where the marks are missing."""
+    first, last = marks(name)
+    before, begin, rest = text.partition(first)
+    _, end, after = rest.partition(last)
     if not (begin and end):
-        raise InputError(f"expected the markers {BEGIN} and {END}", path)
-    return before + new + after
+        raise InputError(f"expected the marks {first} and {last}", path)
+    return f"{before}{first}\n{new}\n{last}{after}"
 
 
 def with_statuses(text: str, recorded: Iterable[str]) -> str:
@@ -180,8 +236,9 @@ def expected_files(root: Path = ROOT) -> dict[Path, str]:
     readme, listed = root / "README.md", root / "data" / "claims.toml"
     catalogue = read_claims(listed)
     records = read_records(root / "figures", catalogue)
+    told = with_section(readme.read_text(encoding="utf-8"), HEADLINE, headline(catalogue, records), readme)
     return {
-        readme: with_section(readme.read_text(encoding="utf-8"), section(catalogue, records, admitted(root)), readme),
+        readme: with_section(told, SCORECARD, section(catalogue, records, admitted(root)), readme),
         listed: with_statuses(listed.read_text(encoding="utf-8"), recorded_ids(records)),
     }
 
