@@ -201,7 +201,8 @@ table(("backbones", "ratio of the sum", "by chance"), *rows)
 #
 # > How the parameters are used matters more than how many there are ([M22] 5.2.2).
 #
-# If the number of parameters decided, errors would fall with it: rank correlation -1.
+# If the number of parameters decided, errors would fall with it: rank correlation -1. At -0.7 it would explain half of
+# the order.
 
 # %%
 errors = np.stack([values.mean(axis=0) for values in totals.values()])
@@ -246,7 +247,8 @@ Markdown(
 # Every model lets every style walk for twenty seconds, and each walk is judged by the flaws below; more is worse. A
 # walk is not `sound` unless it stays finite, its feet alternate, its speed is within a quarter of its data's, and its
 # own style is the nearest. If the error told the quality, each panel would rise to the right, with a rank correlation
-# near 1. With seven models one beyond 0.79, either way, comes by chance in one case of twenty.
+# near 1. With seven models one beyond 0.79, either way, comes by chance in one case of twenty: seven are too few to
+# show that there is none, so the verdict rests on one model with and without input dropout, below.
 
 # %%
 walks = flaws(first)
@@ -398,7 +400,7 @@ recorder = Recorder(
     ],
 )
 known = {"n": len(styles), "seeds": sorted({run.seed for run in runs})}
-lacking = f"runs of {', '.join(missing)}"
+lacking, DROPOUT_RUNS = f"runs of {', '.join(missing)}", "runs of LPN FiLM with another input dropout"
 
 
 def judge(identifier: str, holds: bool, note: str, value=None, needs: bool = False) -> None:
@@ -436,17 +438,20 @@ if resad:
     judge("m22-fig10-pfnn-resad-below-lpn-resad", value.high < 1, note, value=value.interval)
 if len(groups) > 2:
     note = f"rank correlation of error and parameters {capacity}, by chance {capacity.p:.2f}"
-    # Capacity decides where the correlation is negative and hardly comes by chance.
-    decides = capacity.value < 0 and capacity.p < 0.05
-    judge("m22-error-bias-over-capacity", not decides, note, value=capacity.interval, needs=bool(missing))
-    strength = quality["not sound"]
-    note = (
-        f"rank correlation of error and unsound walks {strength}, by chance {strength.p:.2f}, over {len(groups)} models"
-    )
-    varies = bool(np.isfinite(strength.value))
-    value = strength.interval if varies else None
-    tells = varies and strength.value > 0 and strength.p < 0.05
-    judge("m22-error-not-quality", not tells, note, value=value, needs=bool(missing))
+    # Capacity matters less where it cannot explain half of the order: no correlation of -0.7 within the interval.
+    judge("m22-error-bias-over-capacity", capacity.low > -0.7, note, value=capacity.interval, needs=bool(missing))
+    if bought:
+        # One network with and without input dropout, rather than seven models: of them few correlations are clear.
+        alike = [f"{flaw} {e}" for flaw, e in quality.items() if e.p < 0.05] or ["none"]
+        note = f"the network with the higher error of a step walks better; {between}: "
+        note += "; ".join(f"{how} {e}" for how, e in bought.items())
+        note += f"; over {len(groups)} models the rank correlation of error and unsound walks is {quality['not sound']}"
+        note += "; flaws that clearly go with the error: "
+        dearer, _, sounder = bought.values()
+        holds = dearer.low > 1 and sounder.low > 0
+        judge("m22-error-not-quality", holds, note + ", ".join(alike), value=sounder.interval)
+    else:
+        recorder.not_testable("m22-error-not-quality", DROPOUT_RUNS)
 if dataset == "bandai-namco":
     note = f"lowest error {lowest}, sound walks {sound_of[lowest]}; most sound walks {soundest}, {sound_of[soundest]}; "
     note += f"share of unsound walks, the first less the second {more_unsound}"
@@ -460,7 +465,7 @@ if dataset == "bandai-namco":
         holds = not gap >= dearer.value - 1 and dearer.low > 1 and factor.low > 1 and sounder.low > 0
         judge("ours-input-dropout-trade", holds, note, value=[effect.value for effect in bought.values()])
     else:
-        recorder.not_testable("ours-input-dropout-trade", "runs of LPN FiLM with another input dropout")
+        recorder.not_testable("ours-input-dropout-trade", DROPOUT_RUNS)
 for model in groups:
     recorder.number(f"error {model}", mean_with_interval(totals[model], rng), "normalised, squared, plus m")
     recorder.number(f"change over the last fifth, {model}", [s for s in slopes[model] if np.isfinite(s)], "share")

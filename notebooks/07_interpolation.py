@@ -52,6 +52,7 @@ from stylephase.models.bundle import load_bundle
 from stylephase.models.released import release_bundle
 from stylephase.report import plots
 from stylephase.report.blends import along_motion, along_plot, triangle_plot
+from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
@@ -115,7 +116,7 @@ Markdown(f"{len(pairs)} pairs, of which {len(kept)} stayed finite throughout in 
 # null models: a switch half-way, and the pure walks in random order. Brackets hold 95 of 100 other draws of the styles.
 
 # %%
-heads = {"off_line": "off the line", "largest_step": "largest step of eleven", "monotonicity": "monotonicity"}
+heads = {"off_line": "off the line", "largest_step": "largest of ten steps", "monotonicity": "monotonicity"}
 heads |= {"more_skate": "more foot slide, m/s", "apart": "styles apart"}
 table = {
     model: {key: mean_over_pairs(np.array([getattr(b, key) for b in some]), kept) for key in heads}
@@ -307,22 +308,23 @@ Markdown(markdown_table([f"{share:.1f}" for share in SHARES], lines) if near els
 params = {"models": models, "pair_count": pair_count, "runs_folder": runs_folder}
 data_files = [folder / "evaluation.json" for folder in folders.values()]
 recorder = Recorder("07_interpolation", dataset=dataset, preset=preset, params=params, data_files=data_files)
-onehot_steps, film_steps = (table[model]["largest_step"] for model in (models[0], models[-1]))
+largest = {model: table[model]["largest_step"] for model in (models[0], models[-1])}
 smoother, keeps = difference[1] > 0, halves[models[0]][1] > 0.5
 even_film = table[models[-1]]["off_line"][2] < table["a switch"]["off_line"][0] / 2
-other, no = "reproduced on other data", "differs"
+step_words = [f"{name} {v:.2f} [{low:.2f}, {high:.2f}]" for name, (v, low, high) in largest.items()]
 recorder.claim(
     "m22-fig8-bent-forward-lean-back",
-    value=[*onehot_steps, *film_steps],
-    verdict=other if smoother else no,
+    value=list(difference),
+    verdict=OTHER_DATA if smoother else DIFFERS,
     n=len(kept),
     seeds=[0],
-    note="largest of ten steps, one-hot then FiLM, with intervals; even is 0.1, a switch 1; other styles than Fig. 8",
+    note=f"largest of ten steps between two styles, one-hot less FiLM {difference[0]:.3g} [{difference[1]:.2f}, "
+    f"{difference[2]:.2f}]; {', '.join(step_words)}; even is 0.1, a switch 1; pairs of the data's own styles",
 )
 recorder.claim(
     "m22-one-hot-keeps-first-style",
     value=list(halves[models[0]]),
-    verdict=other if keeps else no,
+    verdict=OTHER_DATA if keeps else DIFFERS,
     n=len(kept),
     seeds=[0],
     note="share at which half the way is made, from either end, with its interval; 0.5 is no memory of the first style",
@@ -330,7 +332,7 @@ recorder.claim(
 recorder.claim(
     "m22-film-smooth-interpolation",
     value=list(table[models[-1]]["off_line"]),
-    verdict=other if even_film else no,
+    verdict=OTHER_DATA if even_film else DIFFERS,
     n=len(kept),
     seeds=[0],
     note=f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}",
@@ -340,7 +342,7 @@ if near:
     recorder.claim(
         "m22-interpolation-clipping",
         value=[len(closer), len(near), least],
-        verdict="reproduced" if closer else no,
+        verdict=REPRODUCED if closer else DIFFERS,
         n=len(near),
         note="released weights: pairs between which a hand comes 5 cm nearer to the trunk's line than in either style, "
         "of how many, and the least distance (m)",
