@@ -439,6 +439,11 @@ recorder.claim("m22-cost-all-real-time", value=round(1000 / slowest), n=len(time
 backbone = {b: min(times[n][0] for n, how in PAPER_2022.items() if how.backbone == b) for b in ("pfnn", "lpn", "mann")}
 factor = round(min(backbone["lpn"], backbone["mann"]) / backbone["pfnn"], 2)
 judge("m22-cost-lpn-slower", factor > 1, "fastest LPN or MANN over the fastest PFNN", value=factor)
+fastest = {b: min((n for n in times if PAPER_2022[n].backbone == b), key=lambda n: times[n][0]) for b in backbone}
+size = {b: counted[name, "A.S.N."].counted for b, name in fastest.items()}
+more = round((size["lpn"] if backbone["lpn"] < backbone["mann"] else size["mann"]) / size["pfnn"], 2)
+note = "parameters of the motion network, fastest LPN or MANN over the fastest PFNN, and their times"
+judge("m22-cost-parameter-counts", 1 < more < factor, note, value=[more, factor])
 note = "time with the spline evaluated in every frame over that with stored phases"
 judge("m22-cost-pfnn-optimisation", spline_factor > 1, note, value=round(spline_factor, 2))
 codes = film.synthesis.modulator.values

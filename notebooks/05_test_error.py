@@ -452,6 +452,15 @@ if len(groups) > 2:
         judge("m22-error-not-quality", holds, note + ", ".join(alike), value=sounder.interval)
     else:
         recorder.not_testable("m22-error-not-quality", DROPOUT_RUNS)
+few = {"pfnn-film", "lpn-film"} <= set(groups)
+if few:
+    sound = {model: sound_walks[list(groups).index(model)] for model in ("pfnn-film", "lpn-film")}
+    pfnn_more = difference(sound["pfnn-film"], sound["lpn-film"], rng)
+    note = f"{len(judged_styles)} styles; share of sound walks, PFNN FiLM less LPN FiLM {pfnn_more}; -0.1 would "
+    note += "be worse; a PFNN takes less time (notebook 03)"
+    judge("m22-pfnn-for-few-styles", pfnn_more.low > -0.1, note, value=pfnn_more.interval)
+else:
+    recorder.not_testable("m22-pfnn-for-few-styles", "runs of PFNN FiLM and LPN FiLM")
 if dataset == "bandai-namco":
     note = f"lowest error {lowest}, sound walks {sound_of[lowest]}; most sound walks {soundest}, {sound_of[soundest]}; "
     note += f"share of unsound walks, the first less the second {more_unsound}"

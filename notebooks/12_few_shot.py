@@ -853,6 +853,8 @@ value = [round(float(np.nanmean(found[name].recognised)), 2) for name in ("full"
 value += [round(v.value, 2) for v in (full_held, circle_share["CP"])]
 note = f"own style nearest, full and CP; circles held, full and CP, which differ by {looser}"
 judge("m18-full-adapter-overfits", value[0] > value[1] - 0.05 and looser.high < 0, note, value=value)
+note = f"share of circles held with full adapters, learned with dropout, {full_held}; most are asked for"
+judge("m18-full-adapter-generalises", full_held.low > 0.5, note, value=round(full_held.value, 2))
 average_like = [
     share(nearer_to_neutral(found[name], found["average"], study, WALKING)).value for name in ("diagonal", "CP")
 ]
