@@ -108,8 +108,18 @@ def headline(catalogue: Catalogue, records: Iterable[Record]) -> str:
         f"Of the {len(main)} main claims {len(held)} hold. **These do not reproduce:**",
         "",
         *(f"* {claim.name} ({claim.paper}, {claim.where})" for claim in missed),
+        *_minutes(results),
     ]
     return "\n".join(lines)
+
+
+def _minutes(results: Mapping[str, Result]) -> list[str]:
+    """How long the two commands took, where that was measured."""
+    took = [results[name].value for name in ("ours-reproduce-minutes", "ours-test-minutes") if name in results]
+    if len(took) < 2:
+        return []
+    text = "From a fresh clone on two cores, set-up included, `make reproduce` took {} minutes and `make test` {}."
+    return ["", text.format(*took)]
 
 
 def _told(claims: Sequence[Claim], results: Mapping[str, Result]) -> str:
