@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -77,7 +78,23 @@ def save_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
         np.savez(handle, allow_pickle=False, **arrays)
 
 
+def check_regular(path: str | Path) -> None:
+    """Raise InputError for what is no file to read: nothing, a folder, a pipe, or what may not be looked at."""
+    try:
+        mode = Path(path).stat().st_mode
+    except FileNotFoundError as error:
+        raise InputError("no such file", path) from error
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror or error}", path) from error
+    if not stat.S_ISREG(mode):
+        raise InputError("is a folder, not a file" if stat.S_ISDIR(mode) else "is no regular file", path)
+
+
 def sha256(path: str | Path) -> str:
-    """Hexadecimal SHA-256 of a file's bytes."""
-    with open(path, "rb") as handle:
-        return hashlib.file_digest(handle, "sha256").hexdigest()
+    """Hexadecimal SHA-256 of a file's bytes; raises InputError where it cannot be read."""
+    check_regular(path)
+    try:
+        with open(path, "rb") as handle:
+            return hashlib.file_digest(handle, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror or error}", path) from error

@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,7 +58,7 @@ def find_entries(layout: str, folder: Path) -> tuple[Entry, ...]:
 def hash_content(entries: Iterable[Entry]) -> str:
     """SHA-256 over the names and bytes of the entries' files, whatever archive they came in."""
     lines = sorted(f"{sha256(entry.path)}  {entry.path.name}\n" for entry in entries)
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
+    return hashlib.sha256("".join(lines).encode(errors="surrogateescape")).hexdigest()
 
 
 def _bandai_namco(folder: Path) -> Iterator[Entry]:
@@ -79,11 +80,20 @@ def _pfnn(folder: Path) -> Iterator[Entry]:
 
 
 def _own(folder: Path) -> Iterator[Entry]:
-    """The sub-folder is the style, or else the file's name up to the first underscore."""
-    for path in folder.rglob("*"):
-        if path.suffix.lower() == ".bvh":
-            inside = path.relative_to(folder).parts
-            yield Entry(path, inside[0] if len(inside) > 1 else path.stem.split("_")[0], "any")
+    """The sub-folder is the style, or else the file's name up to the first underscore.
+
+    What is hidden, or what macOS adds to archives, is left out. Raises InputError for a folder that cannot be read.
+    """
+
+    def refuse(error: OSError) -> None:
+        raise InputError(f"cannot read: {error.strerror}", error.filename) from error
+
+    for place, folders, names in os.walk(folder, onerror=refuse):
+        folders[:] = [name for name in folders if not (name.startswith(".") or name == "__MACOSX")]
+        for path in (Path(place, name) for name in names if not name.startswith(".")):
+            if path.suffix.lower() == ".bvh":
+                inside = path.relative_to(folder).parts
+                yield Entry(path, inside[0] if len(inside) > 1 else path.stem.split("_")[0], "any")
 
 
 def _100style(folder: Path) -> Iterator[Entry]:

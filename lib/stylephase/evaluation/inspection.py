@@ -23,7 +23,7 @@ from stylephase.features.captures import SLOWEST, too_short, too_slow
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import description
 from stylephase.models.zoo import PHASED_ADAPTERS, model
-from stylephase.motion.bvh import read_with_unit
+from stylephase.motion.bvh import read_bvh, read_with_unit, write_bvh
 from stylephase.motion.clip import Clip, Pose, forward_kinematics, resample
 from stylephase.motion.root import root_of
 from stylephase.motion.skeleton import EFFECTOR_NAMES, Skeleton
@@ -45,6 +45,8 @@ _FASTEST = 20.0
 _UPRIGHT = 0.5
 # Remarks begin here: frames a second, steps, clarity, sliding feet (m/s), floor (m).
 _COARSE, _FEW_STEPS, _CLEAR, _SLIDES, _FLOOR = 50.0, 6, 0.5, 0.15, 0.25
+# A cycle takes two steps; of fewer nothing can be learned. Nobody's takes longer than this (s).
+_LEAST_STEPS, _SLOW_CYCLE = 2, 3.0
 _AXES, _WINDOW, _OFTEN = "xyz", 2.0, 0.05
 
 
@@ -137,6 +139,22 @@ def inspect_files(files: Iterable[tuple[Path, str]], how: PhaseVariant | None = 
     return Report(tuple(found), first[1] if first else None)
 
 
+def keep_usable(report: Report, folder: Path) -> Path:
+    """Write what is of use of a report's files into a folder of their own, in centimetres, by style.
+
+    Each is cut to the stretch in which nothing jumps; of files with one name the further ones get a number. Raises
+    InputError where the folder holds something, so that nobody's files are lost.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError("is there and not empty; name another folder", folder)
+    for take in report.usable:
+        place, number = folder / take.style / take.file.name, 2
+        while place.exists():
+            place, number = place.with_name(f"{take.file.stem}-{number}{take.file.suffix}"), number + 1
+        write_bvh(place, read_bvh(take.file).frames(*take.stretch))
+    return folder
+
+
 def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> dict[Path, str]:
     """The trained weights in a folder of such that know a skeleton and can learn a new style, and by which command.
 
@@ -182,7 +200,7 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVari
     movement = movement_of(pose, skeleton, FPS, MIDDLE_CONTACT)
     phases = movement_phases(movement, sourcing([movement]), how or variant("adaptive"))
     walk, apart = walk_of(pose, skeleton, phases), float(np.median(antiphase(phases.local.phase)))
-    fault = too_slow(walk.speed)
+    fault = too_slow(walk.speed) or _no_cycle(walk)
     seen = replace(seen, walk=walk, clarity=clarity_of(movement, phases), apart=apart, faults=(fault,) if fault else ())
     return replace(seen, remarks=tuple(_remarks(seen)))
 
@@ -258,6 +276,13 @@ def _not_upright(pose: Pose, skeleton: Skeleton, legs: float) -> str | None:
     return f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"
 
 
+def _no_cycle(walk: Walk) -> str | None:
+    """Why a take without a cycle of steps is of no use, or None."""
+    if walk.steps >= _LEAST_STEPS:
+        return None
+    return f"{walk.steps} steps at {walk.speed:.2f} m/s: no whole cycle, or feet whose contacts cannot be told"
+
+
 def _above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]:
     """The hips seen from between the toes, in lengths of a leg."""
     toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
@@ -279,9 +304,11 @@ def _remarks(seen: Inspection) -> list[str]:
             remarks.append(f"in {100 * share:.0f} % of the time {what}: cut that out")
     if abs(walk.floor) > _FLOOR:
         remarks.append(f"the feet rest {walk.floor:.2f} m from y = 0")
-    if walk.steps < _FEW_STEPS:
+    if walk.cycle > _SLOW_CYCLE:
+        remarks.append(f"a cycle takes {walk.cycle:.1f} s: is the Frame Time right?")
+    if _LEAST_STEPS <= walk.steps < _FEW_STEPS:
         remarks.append(f"{walk.steps} steps: little to learn from")
-    elif walk.alternation < ALTERNATION:
+    elif walk.steps >= _FEW_STEPS and walk.alternation < ALTERNATION:
         remarks.append(f"only {100 * walk.alternation:.0f} % of the steps follow one of the other foot")
     if walk.skate > _SLIDES:
         remarks.append(f"feet slide by {walk.skate:.2f} m/s while they stand")

@@ -128,7 +128,9 @@ def _key(catalogue: Catalogue) -> str:
     told = repr((dataset.contact, sorted(dataset.contact_free.items()), dataset.fps, dataset.metres_per_unit))
     library = Path(stylephase.__file__).parent
     sources = [path for pattern in _SOURCES for path in sorted(library.glob(pattern))]
-    return hashlib.sha256((data + told).encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()
+    return hashlib.sha256(
+        (data + told).encode(errors="surrogateescape") + b"".join(path.read_bytes() for path in sources)
+    ).hexdigest()
 
 
 def style_vectors(catalogue: Catalogue, style: str, body: Body, phases: str) -> StyleVectors:

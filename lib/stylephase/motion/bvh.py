@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.errors import InputError
-from stylephase.files import write_text
+from stylephase.files import check_regular, write_text
 from stylephase.motion.clip import Clip
 from stylephase.motion.rotations import from_euler, from_matrix, to_euler, to_matrix
 from stylephase.motion.skeleton import Skeleton, with_effectors
@@ -25,6 +25,8 @@ _POSITION = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
 _ROTATION = {"Xrotation": "X", "Yrotation": "Y", "Zrotation": "Z"}
 # A joint other than the hips may carry position channels, but its bone must keep its length within this (m).
 _STRETCH = 0.01
+# The hips move against what carries them by more than this share of the longest bone.
+_CARRIED = 0.05
 # What a file may say of its frames: seconds of one, and the largest value of a channel, in units or degrees.
 _SHORTEST_FRAME, _LONGEST_FRAME, _LARGEST = 0.001, 1.0, 1e7
 
@@ -47,12 +49,11 @@ class _Lines:
 
     def __init__(self, path: Path):
         self.path, self.number = path, 0
+        check_regular(path)
         try:
             self.lines = path.read_text(encoding="utf-8-sig").splitlines()
-        except FileNotFoundError as error:
-            raise InputError("no such file", path) from error
-        except (UnicodeDecodeError, IsADirectoryError) as error:
-            raise InputError("not a BVH file: it is no text file", path) from error
+        except UnicodeDecodeError as error:
+            raise InputError("not a BVH file: it is no text in UTF-8", path) from error
         except OSError as error:
             raise InputError(f"cannot read: {error.strerror or error}", path) from error
 
@@ -89,8 +90,9 @@ def read_bvh(path: str | Path, *, metres_per_unit: float | None = None, effector
 
     `metres_per_unit` is the file's unit of length (m); left out, it is guessed from the length of the legs.
     `effectors` name the joints of LeftHand, RightHand, LeftFoot and RightFoot where they are called otherwise.
-    Joints above the hips (a single chain, such as `joint_Root` over `Hips`) are composed into the hips. A constant
-    position channel of another joint replaces its offset.
+    Joints above the hips (such as `joint_Root` over `Hips`) are composed into the hips, and what else hangs on them
+    (a camera, targets of inverse kinematics) is left out. A constant position channel of another joint replaces its
+    offset.
 
     Raises InputError with file, line and reason: no BVH, cut off, fewer or more frames than announced, a wrong
     number of values, a value that is no finite number, a bone that changes its length.
@@ -134,8 +136,10 @@ def _read_hierarchy(lines: _Lines) -> list[_Node]:
 
 def _open_node(lines: _Lines, words: list[str], nodes: list[_Node], stack: list[int]) -> None:
     site = words[0].lower() == "end"
+    if words[0] == "ROOT" and nodes:
+        raise lines.error("a second root")
     if (words[0] == "ROOT") != (not stack):
-        raise lines.error("a second root" if words[0] == "ROOT" else "a joint outside the root")
+        raise lines.error("a joint outside the root")
     if len(words) < 2:
         raise lines.error("a joint without a name")
     parent = stack[-1] if stack else -1
@@ -231,16 +235,17 @@ def _to_clip(
     effectors: Sequence[str] | None,
 ) -> tuple[Clip, float]:
     positions, rotations = [_positions(node, values) for node in nodes], _rotations(nodes, values)
-    top = _hips_node(nodes)
+    top = _hips_node(nodes, positions)
     root_positions, root_rotations = positions[0], rotations[:, 0]
-    for node in range(1, top + 1):
+    for node in _above(nodes, top)[1:]:
         matrices = to_matrix(root_rotations)
         root_positions = root_positions + np.einsum("tij,tj->ti", matrices, positions[node])
         root_rotations = from_matrix(matrices @ to_matrix(rotations[:, node]))
-    kept = range(top, len(nodes))
+    kept = _below(nodes, top)
+    place = {n: k for k, n in enumerate(kept)}
     skeleton = Skeleton(
         names=tuple(nodes[n].name for n in kept),
-        parents=tuple(-1 if n == top else nodes[n].parent - top for n in kept),
+        parents=tuple(-1 if n == top else place[nodes[n].parent] for n in kept),
         offsets=np.array([np.zeros(3) if n == top else np.median(positions[n], axis=0) for n in kept]),
         sites=tuple(nodes[n].site for n in kept),
     )
@@ -259,14 +264,42 @@ def _to_clip(
     return clip, scale
 
 
-def _hips_node(nodes: list[_Node]) -> int:
-    """The first node from the top with more than one child: what stands above it only carries it."""
-    top = 0
+def _hips_node(nodes: list[_Node], positions: list[Float[ndarray, "frames 3"]]) -> int:
+    """The first node from the top with more than one child: what stands above it only carries it.
+
+    Where one of its children moves against it and branches, too, that one is the hips, and the rest helpers.
+    """
+    top, reach = 0, max(float(np.linalg.norm(node.offset or (0.0,))) for node in nodes[1:] or nodes)
     while True:
-        children = [n for n, node in enumerate(nodes) if node.parent == top]
-        if len(children) != 1 or nodes[children[0]].site:
+        children = [n for n, node in enumerate(nodes) if node.parent == top and not node.site]
+        moving = [n for n in children if np.ptp(positions[n], axis=0).max() > _CARRIED * reach and _branches(nodes, n)]
+        if len(children) == 1 and not any(node.site and node.parent == top for node in nodes):
+            top = children[0]
+        elif moving:
+            top = max(moving, key=lambda n: len(_below(nodes, n)))
+        else:
             return top
-        top = children[0]
+
+
+def _branches(nodes: list[_Node], parent: int) -> bool:
+    return sum(node.parent == parent for node in nodes) > 1
+
+
+def _below(nodes: list[_Node], top: int) -> list[int]:
+    """A node and all that hangs on it, in the order of the file: parents come first."""
+    inside = {top}
+    for n in range(top + 1, len(nodes)):
+        if nodes[n].parent in inside:
+            inside.add(n)
+    return sorted(inside)
+
+
+def _above(nodes: list[_Node], node: int) -> list[int]:
+    """The way from the root down to a node, itself included."""
+    way = [node]
+    while nodes[way[-1]].parent != -1:
+        way.append(nodes[way[-1]].parent)
+    return way[::-1]
 
 
 def _positions(node: _Node, values: Float[ndarray, "frames channels"]) -> Float[ndarray, "frames 3"]:

@@ -10,7 +10,7 @@ import numpy as np
 from stylephase.data.catalogue import Catalogue, load_catalogue
 from stylephase.data.registry import OWN
 from stylephase.errors import InputError
-from stylephase.evaluation.inspection import FEWSHOT, FINETUNE, Report, fitting_weights, inspect_files
+from stylephase.evaluation.inspection import FEWSHOT, FINETUNE, Report, fitting_weights, inspect_files, keep_usable
 from stylephase.evaluation.rollouts import Walk, codes_of, judge, start_of, walking_speed
 from stylephase.evaluation.style import style_space
 from stylephase.features.captures import captured_clip, captured_vectors, clip_vectors
@@ -93,13 +93,6 @@ def inspected(folder: Path) -> Report:
     return inspect_files([(entry.path, entry.style) for entry in load_catalogue(f"{OWN}{folder}").entries])
 
 
-def keep_usable(report: Report, folder: Path) -> Path:
-    """What is of use of the files of a report, in a folder of their own, arranged by style."""
-    for take in report.usable:
-        write_bvh(folder / take.style / take.file.name, read_bvh(take.file).frames(*take.stretch))
-    return folder
-
-
 @dataclass(frozen=True)
 class Driven:
     """A character of one's own: how it was learned, the walks of its styles, and its motion as a file.
@@ -124,6 +117,8 @@ def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
     """
     if not report.usable:
         raise InputError("no file is of use; the table above says why", report.takes[0].file if report.takes else None)
+    if inside := [take.file for take in report.takes if take.file.resolve().is_relative_to(work.resolve())]:
+        raise InputError(f"lies in {work}, which is emptied to work in; name another folder", inside[0])
     shutil.rmtree(work, ignore_errors=True)
     usable = keep_usable(report, work / "usable")
     known = fitting_weights(report.skeleton) if report.skeleton else {}

@@ -28,7 +28,23 @@ def test_a_folder_is_told_file_by_file_with_the_next_command(call, tmp_path):
     assert status == 0, err
     assert "one.bvh (style plain)" in out and "walks ahead" in out
     assert "short.bvh" in out and "lasts 30 frames" in out and "the first word should be HIERARCHY" in out
-    assert "1 of 3 files usable, 1 styles: plain" in out and f"own:{tmp_path}" in out
+    assert "1 of 3 files usable, 1 styles: plain" in out
+    # Training refuses files that are of no use, so what is of use is kept apart first.
+    assert f"stylephase inspect {tmp_path} --keep build/usable" in out and "own:build/usable" in out
+
+
+def test_what_is_of_use_is_kept_by_style_and_trained_on(call, tmp_path):
+    takes = tmp_path / "my takes"
+    for name in ("B/walk.bvh", "B/second/walk.bvh"):
+        write_bvh(takes / name, tiny.take().clip)
+    (takes / "B" / "bad.bvh").write_text("no motion")
+    (takes / "B" / "._walk.bvh").write_bytes(b"\0\1macOS")
+    status, out, _ = call(takes, "--keep", tmp_path / "kept")
+    assert status == 0 and "2 of 3 files usable" in out and f"--data own:{tmp_path}/kept" in out
+    assert sorted(path.name for path in (tmp_path / "kept" / "B").iterdir()) == ["walk-2.bvh", "walk.bvh"]
+    assert call(f"own:{tmp_path}/kept")[0] == 0
+    assert "is there and not empty" in refused(call(takes, "--keep", tmp_path / "kept"))
+    assert f"'{takes}'" in call(takes)[1]
 
 
 def test_json_holds_the_same_for_scripts(call, tmp_path):

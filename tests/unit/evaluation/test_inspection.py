@@ -75,6 +75,12 @@ def test_standing_is_no_walk():
     assert not take.usable and "nobody walks" in take.faults[0]
 
 
+def test_a_body_that_glides_without_a_step_is_of_no_use(ahead):
+    statue = replace(ahead, rotations=np.repeat(ahead.rotations[:1], len(ahead), axis=0))
+    take = inspect_clip(statue, Path("statue.bvh"), "mine", 0.01)
+    assert not take.usable and "no whole cycle" in take.faults[0]
+
+
 def test_a_short_take_says_how_many_frames_it_needs(ahead):
     take = found_in(ahead.frames(0, 50))
     assert take.faults == ("lasts 50 frames at 60 a second; a take needs 70",)

@@ -1,5 +1,6 @@
 """BVH files: what is written comes back the same, what is odd but right is read, what is wrong is named."""
 
+import os
 import re
 from pathlib import Path
 
@@ -257,6 +258,26 @@ def test_a_wrong_line_is_named(write, old, new, reason):
     assert reason in error.reason and error.line == GOOD[: GOOD.index(old)].count("\n") + 1
 
 
+def test_a_second_root_beside_the_first_is_refused(write):
+    second = f"ROOT Prop\n{{\nOFFSET 0 0 0\nCHANNELS 3 {TURNS}\n}}\n"
+    content = HIERARCHY + second + motion([f"{frame} 0 0 0" for frame in FRAMES])
+    error = refusal(write(content))
+    assert error.reason == "a second root" and error.line == HIERARCHY.count("\n") + 1
+
+
+def test_helpers_beside_the_hips_are_left_out(write):
+    """A camera before and targets after the hips, all below a bone that stands on the ground."""
+    plain = read_bvh(write(GOOD))
+    hips = HIERARCHY.removeprefix("HIERARCHY\n").replace("ROOT", "JOINT")
+    camera = joint("Camera", "0 100 300")
+    targets = joint("Targets", "0 0 0", joint("TargetL", "10 0 0"), joint("TargetR", "-10 0 0"))
+    content = f"HIERARCHY\nROOT Ground\n{{\nOFFSET 0 0 0\nCHANNELS 3 {TURNS}\n{camera}{hips}{targets}}}\n"
+    content += motion([f"0 0 0 9 9 9 {frame} {'7 ' * 9}".rstrip() for frame in FRAMES])
+    found = read_bvh(write(content))
+    assert found.skeleton.names == plain.skeleton.names
+    np.testing.assert_allclose(forward_kinematics(found).positions, forward_kinematics(plain).positions, atol=1e-9)
+
+
 @pytest.mark.parametrize("old", [f"CHANNELS 3 {TURNS}\n", "OFFSET 20 40 0\n"])
 def test_a_joint_without_offset_or_channels_is_refused(write, old):
     assert f"ends without {old.split()[0]}" in refusal(write(GOOD.replace(old, ""))).reason
@@ -301,7 +322,12 @@ def test_what_is_no_bvh_is_refused(write, content):
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path):
     assert refusal(tmp_path / "none.bvh").reason == "no such file"
-    assert "not a BVH file" in refusal(tmp_path).reason
+    assert "is a folder" in refusal(tmp_path).reason
+
+
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "take.bvh")
+    assert refusal(tmp_path / "take.bvh").reason == "is no regular file"
 
 
 def test_a_clip_that_is_not_finite_is_not_written(tmp_path):
