@@ -17,7 +17,8 @@
 # Beyond [M18] and [M22]. Time: preset quick a minute, real examples some minutes.
 #
 # A folder of BVH files goes in, a character that walks like them comes out. Set `folder` to yours: a sub-folder for
-# each style, or file names that begin with the style and an underscore. Left empty, examples show what to expect.
+# each style, or file names that begin with the style and an underscore. Left empty, examples show what to expect: the
+# synthetic walker under Mixamo's names, and real capture on three other skeletons.
 
 # %% tags=["parameters"]
 dataset: str = "synthetic"  # synthetic, or any other name for examples of real capture
@@ -124,8 +125,9 @@ Image(figures / "15_your_own_mocap-walks.png", alt=alt)
 # ## With more time
 #
 # `stylephase train --model lpn-film --data own:FOLDER --preset cpu --out build/mine` trains the paper's network on your
-# folder in half an hour; `stylephase rollout --weights build/mine --style NAME --path points.txt --out walk.bvh` walks
-# it along a path; notebook [09](09_play.ipynb) drives it with the keys.
+# folder in about half an hour of one processor; `stylephase rollout --weights build/mine --style NAME --path points.txt
+# --out walk.bvh` walks it along a path; notebook [09](09_play.ipynb) drives it with the keys. Where a file is of no use,
+# `stylephase inspect FOLDER --keep build/usable` first puts the others, cut to where nothing jumps, into a folder.
 
 # %% [markdown]
 # ## The record
