@@ -299,12 +299,18 @@ Markdown(
 
 # %%
 slowest, fastest = judged.stop_range(results)
-beyond = [
-    f"{walk['style']} of seed {seed} goes at {walk['speed_ratio']:.2f} of its speed"
+each_walk = [
+    (walk, seed)
     for seed, result in zip(seeds, results, strict=True)
     for walk in result["rollouts"]["walks"]
-    if walk["finite"] and not 0.75 <= walk["speed_ratio"] <= 1.25
+    if walk["finite"]
 ]
+beyond = [
+    f"{walk['style']} of seed {seed} goes at {walk['speed_ratio']:.2f} of its speed"
+    for walk, seed in each_walk
+    if not 0.75 <= walk["speed_ratio"] <= 1.25
+]
+unsteady, unsteady_seed = max(each_walk, key=lambda pair: pair[0]["bones"]["worst"])
 # What is old in these data.
 OLD = [style for style in bundle.styles if "old" in style or "elderly" in style]
 old_walks = [walk for result in results for walk in result["rollouts"]["walks"] if walk["style"] in OLD]
@@ -312,6 +318,7 @@ notes = {
     "ours-training-minutes": "of the longest; a run uses one core",
     "ours-rollout-speed": f"{'; '.join(beyond) or 'none beyond'}, of {len(all_walks) * len(results)} walks",
     "ours-rollout-style-all": f"the styles missed by seed {seeds[0]}: {', '.join(strayed)}",
+    "ours-rollout-bone-worst": f"the least steady: {unsteady['style']} of seed {unsteady_seed}",
     "ours-rollout-old-walks-old": f"walks of {', '.join(OLD)} in all seeds",
 }
 params = {"model": model, "runs_folder": runs_folder}
@@ -331,7 +338,8 @@ if dataset == "bandai-namco":
     values |= {"ours-rollout-old-walks-old": float(np.mean([walk["nearest"] == walk["style"] for walk in old_walks]))}
     recorder.number("speed some seconds after being told to stop, of all styles and seeds", [slowest, fastest], "m/s")
     for identifier, value in values.items():
-        recorder.claim(identifier, value=value, n=len(bundle.styles), seeds=seeds, note=notes.get(identifier, ""))
+        note = notes.get(identifier, f"the worst of seeds {', '.join(map(str, seeds))}")
+        recorder.claim(identifier, value=value, n=len(bundle.styles), seeds=seeds, note=note)
 large = find_runs(ROOT / runs_folder, "lpn-rollouts", "cpu")
 trained = [len(large[0].evaluation["errors"]) if large else 0, len(KEPT_BACK)]
 printed = {name: recorder.catalogue.claims[f"m22-training-{name}"].paper_value for name in ("styles", "epochs")}

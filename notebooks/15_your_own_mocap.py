@@ -126,7 +126,7 @@ Image(figures / "15_your_own_mocap-walks.png", alt=alt)
 #
 # `stylephase train --model lpn-film --data own:FOLDER --preset cpu --out build/mine` trains the paper's network on your
 # folder in about half an hour of one processor; `stylephase rollout --weights build/mine --style NAME --path points.txt
-# --out walk.bvh` walks it along a path; notebook [09](09_play.ipynb) drives it with the keys. Where files are of no use,
+# --out walk.bvh` walks it along a path; notebook [09](09_play.ipynb) drives it with the keys. If some are of no use,
 # `stylephase inspect FOLDER --keep build/usable` puts the others, cut to where nothing jumps, into a folder first.
 
 # %% [markdown]
