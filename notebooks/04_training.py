@@ -218,8 +218,10 @@ write_png(figures / "04_training-strips.png", grid(cycle, Layout(frames=7, scale
 Image(figures / "04_training-strips.png", alt=alt)
 
 # %%
-wide = [motion.frames(len(motion) - 145, len(motion)) for k in (0, 2) for motion in pairs[2 * k : 2 * k + 2]]
-alt = f"{shown[0].style} and {shown[2].style}: recorded walking above what the network generates, thirteen poses each."
+two = sorted({0, min(2, len(shown) - 1)})
+wide = [motion.frames(max(len(motion) - 145, 0), len(motion)) for k in two for motion in pairs[2 * k : 2 * k + 2]]
+names = " and ".join(shown[k].style for k in two)
+alt = f"{names}: recorded walking above what the network generates, thirteen poses each."
 write_png(figures / "04_training-wide.png", grid(wide, Layout(frames=13, scale=70)), alt=alt)
 Image(figures / "04_training-wide.png", alt=alt)
 
