@@ -346,13 +346,13 @@ recorder.claim("m18-no-metric", verdict=verdict, value=len(of_style), n=len(held
 ours_first = [question for question, pair in PAIRS.items() if pair[0] == "lpn-film"]
 if set(ours_first) <= set(better):
     ahead = [len(better[question][0]) > len(better[question][1]) for question in ours_first]
-    note = "rivals to which LPN FiLM is better in more measures than worse, of all; better and worse in: "
-    note += "; ".join(
+    words = "rivals to which LPN FiLM is better in more measures than worse, of all; better and worse in: "
+    words += "; ".join(
         f"{question}: {', '.join(ours) or 'nothing'} and {', '.join(theirs) or 'nothing'}"
         for question, (ours, theirs) in ((question, better[question]) for question in ours_first)
     )
     verdict, value = OTHER_DATA if all(ahead) else DIFFERS, [sum(ahead), len(ahead)]
-    recorder.claim("m22-better-motion-quality", verdict=verdict, value=value, note=note, **about_runs)
+    recorder.claim("m22-better-motion-quality", verdict=verdict, value=value, note=words, **about_runs)
 else:
     recorder.not_testable("m22-better-motion-quality", "runs of all seven models")
 told = f"{count} windows of two seconds; {len(lots.whole)} styles by other takes, the rest by second halves of takes; "
