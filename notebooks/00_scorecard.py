@@ -64,7 +64,7 @@ records = [recorder.record, *others]
 # | not testable here | what it would take stands beside it |
 # | open | not tested yet |
 #
-# Our own numbers, and some of the papers', are judged by bounds in `data/claims.toml`, written down beforehand; all else
+# Our own numbers, and some of the papers', are judged by bounds in `data/claims.toml`, written down before; all else
 # by a rule in its notebook, beside the evidence. Other data are real capture of other people, walks that a network
 # generated, or the synthetic walker: the note tells. Square brackets hold 95 % intervals, over styles, and over seeds
 # where there are several; a claim that differs with an interval on both sides of no effect was not shown, which is less
