@@ -33,7 +33,6 @@ from stylephase.motion.contacts import foot_contacts
 from stylephase.motion.root import root_of, turn, zero_pose
 from stylephase.motion.synthetic import SKELETON
 from stylephase.report import palette, plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
@@ -413,20 +412,17 @@ table(
 
 
 # %%
-def judge(identifier: str, value, agrees: bool, *, note: str = "", kept: str = REPRODUCED, **more) -> None:
-    verdict = kept if agrees else DIFFERS
-    recorder.claim(identifier, value=value, verdict=verdict, note=note or ("" if agrees else "see the check"), **more)
-
-
 for row in GAITS:
     rounded = [ours[row][0], round(ours[row][1], 1), round(ours[row][2], 2)]
     close = apart[row][0] == 0 and apart[row][1] < 2 and apart[row][2] <= 0.1
     loose = apart[row][1] > 0.5 or apart[row][2] > 0.05
     note = "the frames agree exactly; the paper rounds minutes and shares loosely" if loose else ""
-    judge(f"m22-table1-{row}", rounded, close, note=note, tolerance="frames 0, min 2, % 0.1", n=len(published))
+    about = {"tolerance": "frames 0, min 2, % 0.1", "n": len(published), "dataset": "100style"}
+    recorder.claim(f"m22-table1-{row}", close, note, value=rounded, **about)
 recorder.claim("m22-data-frames", value=frames["total"], n=len(published), dataset="100style")
-judge("m22-data-styles", len(names), len(names) == 100, n=len(names))
-judge("m22-data-gaits-per-style", len(complete), len(complete) == 100, n=len(names))
+listed = {"n": len(names), "dataset": "100style"}
+recorder.claim("m22-data-styles", len(names) == 100, value=len(names), **listed)
+recorder.claim("m22-data-gaits-per-style", len(complete) == 100, value=len(complete), **listed)
 
 net = layouts["100STYLE"]
 for identifier, value, printed in (
@@ -436,23 +432,26 @@ for identifier, value, printed in (
     ("m22-features-trajectory-points", len(INPUT_SAMPLES), 12),
     ("m22-features-phase", net.gate_inputs, 8),
 ):
-    judge(identifier, value, value == printed)
-judge("m22-features-local-frame", changed, changed < 1e-9, n=len(x), tolerance=1e-9)
+    recorder.claim(identifier, value == printed, value=value)
+recorder.claim("m22-features-local-frame", changed < 1e-9, value=changed, n=len(x), tolerance=1e-9)
 ours_mirrored = sum(any(entry.symmetric for entry in catalogue.of(style)) for style in catalogue.styles)
 note = f"as the list marks 100STYLE; of {dataset}, {ours_mirrored} of {len(catalogue.styles)} styles are mirrored"
-judge("m22-features-mirrored", symmetric, 0 < symmetric < len(names), kept=OTHER_DATA, note=note, n=len(names))
+recorder.claim("m22-features-mirrored", 0 < symmetric < len(names), note, value=symmetric, n=len(names))
 
 # %%
 if at_hand:
-    short = "excerpt of the style Neutral"
+    short, takes_of = "excerpt of the style Neutral", {"n": len(takes), "dataset": "100style"}
     joints, used = len(clip.skeleton), len(feature_joints(clip.skeleton))
-    judge("m22-data-frame-rate", clip.fps, clip.fps == 60, n=len(takes), note=short)
-    judge("m22-data-joints", joints, joints == 28, n=len(takes), note=short)
-    judge("m22-features-joints", used, used == 25, n=len(takes), note=short)
+    recorder.claim("m22-data-frame-rate", clip.fps == 60, short, value=clip.fps, **takes_of)
+    recorder.claim("m22-data-joints", joints == 28, short, value=joints, **takes_of)
+    recorder.claim("m22-features-joints", used == 25, short, value=used, **takes_of)
     tall = "top of the head's end site over the toes' in the T-pose, without soles and hair"
-    judge("m22-data-actor-height", round(body_height, 3), abs(body_height - 1.82) < 0.05, tolerance=0.05, note=tall)
+    fits = abs(body_height - 1.82) < 0.05
+    recorder.claim("m22-data-actor-height", fits, tall, value=round(body_height, 3), tolerance=0.05, dataset="100style")
     cut = all(before > 1.5 > 1 > after for _, before, after, _ in takes)
-    judge("m22-features-t-poses-cut", cut, cut, n=len(takes), note=f"T-poses lie outside the cuts in the {short}")
+    recorder.claim(
+        "m22-features-t-poses-cut", cut, f"T-poses lie outside the cuts in the {short}", value=cut, **takes_of
+    )
 else:
     for identifier in (
         "data-frame-rate",

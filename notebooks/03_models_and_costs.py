@@ -52,7 +52,7 @@ from stylephase.models.released import fetch_released, release_bundle
 from stylephase.models.synthesis import NetworkSettings, StyledNetwork
 from stylephase.models.zoo import PAPER_2022, build_synthesis, widths_of
 from stylephase.report import palette, plots
-from stylephase.report.claims import DIFFERS, REPRODUCED
+from stylephase.report.claims import REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 from stylephase.report.show import figure, table
@@ -176,7 +176,7 @@ COLUMNS = {"A.S.N.": "asn", "S.M.N.": "smn", "P.S.R.": "psr"}
 counted = {(row.name, row.quantity): row for row in table_2()}
 for (name, column), row in counted.items():
     identifier = f"m22-table2-{name}-{COLUMNS[column]}"
-    recorder.claim(identifier, value=row.counted, verdict=row.verdict, note=row.note)
+    recorder.claim(identifier, row.verdict == REPRODUCED, row.note, value=row.counted)
 assert all(row.counted == row.value for row in counted.values())
 table(
     ("model", *COLUMNS),
@@ -369,10 +369,6 @@ table(
 
 
 # %%
-def judge(identifier: str, holds: bool, note: str = "", **measured) -> str:
-    return recorder.claim(identifier, verdict=REPRODUCED if holds else DIFFERS, note=note, **measured)
-
-
 for precision, error in largest.items():
     if at_hand:
         recorder.claim(f"ours-release-{precision}", value=error, n=len(agreement))
@@ -394,24 +390,32 @@ recorder.claim("ours-bench-eight-bits", value=eight.ratio, note=eight.note)
 recorder.claim("ours-bench-batch", value=rows["next frame of 64 characters, two threads, each"].ours)
 named = [name for name, _ in film.named_children()] + [name for name, _ in film.synthesis.named_children()]
 holds = {"generator", "gating", "layers", "modulator"} <= set(named) and styled["lpn-film"] == [1, 2]
-judge("m22-fig3-overview", holds, "the parts as modules; FiLM stands after both hidden layers", value=", ".join(named))
-judge("m22-gating-blends-weights", blend_off < 1e-10, "blending outputs instead, in one product", value=blend_off)
-judge("m22-eq2-film-parameters", film.synthesis.modulator.values == 4 * 512, value=film.synthesis.modulator.values)
+recorder.claim(
+    "m22-fig3-overview", holds, "the parts as modules; FiLM stands after both hidden layers", value=", ".join(named)
+)
+recorder.claim(
+    "m22-gating-blends-weights", blend_off < 1e-10, "blending outputs instead, in one product", value=blend_off
+)
+recorder.claim(
+    "m22-eq2-film-parameters", film.synthesis.modulator.values == 4 * 512, value=film.synthesis.modulator.values
+)
 note = "the printed features are taken as the scale; the deviation is the population's"
-judge("m22-eq3-conditional-normalisation", film_off < 1e-6, note, value=film_off)
+recorder.claim("m22-eq3-conditional-normalisation", film_off < 1e-6, note, value=film_off)
 note = f"in one call or part by part; with another clip {other_off:.1e}"
-judge("m22-eq4-whole-model", whole_off == 0 < other_off, note, value=whole_off)
+recorder.claim("m22-eq4-whole-model", whole_off == 0 < other_off, note, value=whole_off)
 hidden = [len(film.synthesis.layers), film.synthesis.layers[1].weight.shape[2]]
-judge("m22-arch-hidden", hidden == [3, 512], value=hidden)
+recorder.claim("m22-arch-hidden", hidden == [3, 512], value=hidden)
 gates = [len(gating), gating[0][0], gating[-1][0]]
-judge("m22-arch-gating", gates == [3, 32, 8], value=gates)
-judge("m22-arch-experts", film.synthesis.layers[0].weight.shape[0] == 8, value=film.synthesis.layers[0].weight.shape[0])
+recorder.claim("m22-arch-gating", gates == [3, 32, 8], value=gates)
+recorder.claim(
+    "m22-arch-experts", film.synthesis.layers[0].weight.shape[0] == 8, value=film.synthesis.layers[0].weight.shape[0]
+)
 found = [len(convolutions), convolutions[0][1], convolutions[0][0], 2]
-judge("m22-arch-generator-convolutions", found == [2, 256, 25, 2], value=found)
-judge("m22-arch-generator-dense", dense == [2048, 2048], value=[len(dense), dense[0]])
+recorder.claim("m22-arch-generator-convolutions", found == [2, 256, 25, 2], value=found)
+recorder.claim("m22-arch-generator-dense", dense == [2048, 2048], value=[len(dense), dense[0]])
 found = {PAPER_2022[name].modulator: layers for name, layers in styled.items()}
 holds = found == {"onehot": [1], "cp-one-bias": [2], "static": [2], "film": [1, 2]}
-judge("m22-one-layer-against-all", holds, f"hidden layers that the style changes: {found}", value=holds)
+recorder.claim("m22-one-layer-against-all", holds, f"hidden layers that the style changes: {found}", value=holds)
 traffic = "eight experts go by what memory gives, which they share with whatever else runs"
 extra = ", ".join(
     f"{1000 * film_costs[b]:.0f} µs ({b}; in print {1000 * film_costs_printed[b]:.0f})" for b in film_costs
@@ -426,8 +430,8 @@ for name in [name for name in PAPER_2022 if name != REFERENCE]:
     near = share[name].agrees(printed_share[name])
     note = f"over PFNN one-hot's time {share[name]}, in print {printed_share[name]}"
     note += "" if near else f"; {REASONS[name]}"
-    judge(f"m22-table2-{name}-runtime", near, note, value=[round(v, 3) for v in times[name]], n=5)
-judge(
+    recorder.claim(f"m22-table2-{name}-runtime", near, note, value=[round(v, 3) for v in times[name]], n=5)
+recorder.claim(
     "m22-cost-order",
     not pairs,
     f"change places: {places}; FiLM over one-hot costs {extra}",
@@ -438,27 +442,27 @@ slowest = max(mean for mean, _ in times.values())
 recorder.claim("m22-cost-all-real-time", value=round(1000 / slowest), n=len(times))
 backbone = {b: min(times[n][0] for n, how in PAPER_2022.items() if how.backbone == b) for b in ("pfnn", "lpn", "mann")}
 factor = round(min(backbone["lpn"], backbone["mann"]) / backbone["pfnn"], 2)
-judge("m22-cost-lpn-slower", factor > 1, "fastest LPN or MANN over the fastest PFNN", value=factor)
+recorder.claim("m22-cost-lpn-slower", factor > 1, "fastest LPN or MANN over the fastest PFNN", value=factor)
 fastest = {b: min((n for n in times if PAPER_2022[n].backbone == b), key=lambda n: times[n][0]) for b in backbone}
 size = {b: counted[name, "A.S.N."].counted for b, name in fastest.items()}
 more = round((size["lpn"] if backbone["lpn"] < backbone["mann"] else size["mann"]) / size["pfnn"], 2)
 note = "parameters of the motion network, fastest LPN or MANN over the fastest PFNN, and their times"
-judge("m22-cost-parameter-counts", 1 < more < factor, note, value=[more, factor])
+recorder.claim("m22-cost-parameter-counts", 1 < more < factor, note, value=[more, factor])
 note = "time with the spline evaluated in every frame over that with stored phases"
-judge("m22-cost-pfnn-optimisation", spline_factor > 1, note, value=round(spline_factor, 2))
+recorder.claim("m22-cost-pfnn-optimisation", spline_factor > 1, note, value=round(spline_factor, 2))
 codes = film.synthesis.modulator.values
 note = f"a style keeps {codes:,} values of {parameters(film.generator):,}"
-judge("m22-cost-film-precomputed", codes < parameters(film.generator), note)
+recorder.claim("m22-cost-film-precomputed", codes < parameters(film.generator), note)
 least = min(missed.values())
 note = (
     f"least share of what an adapter adds that its own mean misses, of {base.model}, {base.about['data']}; 0.1 decides"
 )
-judge("m22-cost-adapters-stored", least > 0.1, note, value=round(least, 3), n=len(missed))
+recorder.claim("m22-cost-adapters-stored", least > 0.1, note, value=round(least, 3), n=len(missed))
 twice = per_style["lpn-onehot"] / per_style["lpn-film"]
-judge("m22-cost-onehot-twice-film", twice == 2, value=twice)
+recorder.claim("m22-cost-onehot-twice-film", twice == 2, value=twice)
 note = "values per style of LPN-FiLM over those of the smallest adapter"
 share_of_adapter = round(per_style["lpn-film"] / per_style["pfnn-resad"], 3)
-judge("m22-style-representation-small", share_of_adapter < 1, note, value=share_of_adapter)
+recorder.claim("m22-style-representation-small", share_of_adapter < 1, note, value=share_of_adapter)
 table(
     ("claim", "value", "verdict", "note"),
     *((r.name, "" if r.value is None else r.value, r.verdict, r.note) for r in recorder.record.results),

@@ -41,7 +41,6 @@ from stylephase.evaluation.test_error import distance_to_training, test_rows
 from stylephase.features.store import VectorStore
 from stylephase.models.zoo import MODELS, PAPER_2022
 from stylephase.report import model_plots, plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 from stylephase.report.show import figure, table
@@ -406,10 +405,8 @@ lacking, DROPOUT_RUNS = f"runs of {', '.join(missing)}", "runs of LPN FiLM with 
 def judge(identifier: str, holds: bool, note: str, value=None, needs: bool = False) -> None:
     if needs:
         recorder.not_testable(identifier, lacking)
-        return
-    # Our own claims are about these data.
-    verdict = (REPRODUCED if identifier.startswith("ours-") else OTHER_DATA) if holds else DIFFERS
-    recorder.claim(identifier, verdict=verdict, value=value, note=note, **known)
+    else:
+        recorder.claim(identifier, holds, note, value=value, **known)
 
 
 seed_note = f"seeds of one model: {'; '.join(f'{name} {effect}' for name, effect in twins.items()) or 'one each'}"

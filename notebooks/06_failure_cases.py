@@ -48,7 +48,6 @@ from stylephase.evaluation.walked import Recorded, Walked, recordings, walk_all
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
 from stylephase.report import model_plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
@@ -570,13 +569,7 @@ runs = [run for case in cases for some in (case.first.values(), *case.runs.value
 params = {"runs_folder": runs_folder, "beside": beside, "starts": starts}
 files = [run.file for run in dict.fromkeys(runs)]
 recorder = Recorder("06_failure_cases", dataset=dataset, preset=preset, params=params, data_files=files)
-
-
-def judge(identifier: str, holds: bool, note: str, value=None, n: int | None = None, seeds=(0,)) -> None:
-    verdict = OTHER_DATA if holds else DIFFERS
-    recorder.claim(identifier, verdict=verdict, value=value, note=note, n=n, seeds=list(seeds))
-
-
+judge = partial(recorder.claim, seeds=[0])
 several = sorted({run.seed for case in judged for some in case.runs.values() for run in some})
 
 
@@ -636,7 +629,7 @@ for identifier, rival, style in (
     if value is None:
         recorder.not_testable(identifier, f"runs of {rival}, and a style whose hands do not follow the steps")
     else:
-        judge(identifier, holds, note + CIRCULAR, value, starts)
+        judge(identifier, holds, note + CIRCULAR, value=value, n=starts)
 stuck = stuck_in_free()
 if len(stuck["lpn-film"]):
     effect, count = difference(stuck["pfnn-film"] / 2, stuck["lpn-film"] / 2, rng), 2 * len(stuck["lpn-film"])
@@ -650,8 +643,8 @@ if len(stuck["lpn-film"]):
         "m22-global-phase-stuck-arms",
         effect.low > 0 and effect.p < 0.05,
         note + CIRCULAR,
-        effect.interval,
-        len(stuck["lpn-film"]),
+        value=effect.interval,
+        n=len(stuck["lpn-film"]),
     )
 else:
     recorder.not_testable("m22-global-phase-stuck-arms", "runs of pfnn-film, and styles without a global phase")
@@ -663,7 +656,7 @@ if "mann-film" in main.walked:
     note = f"share of sound walks {sounds['mann-film']:.2f} of MANN, {sounds['lpn-film']:.2f} of LPN; styles in which "
     note += f"LPN has half of the free amplitude: {', '.join(able) or 'none'}; {told_of_hands}"
     holds = holds and sounds["mann-film"] >= 0.9 * sounds["lpn-film"]
-    judge("m22-mann-competitive", holds, note + CIRCULAR, list(sounds.values()), len(able))
+    judge("m22-mann-competitive", holds, note + CIRCULAR, value=list(sounds.values()), n=len(able))
 else:
     recorder.not_testable("m22-mann-competitive", "runs of mann-film")
 if hop_case:
@@ -675,7 +668,7 @@ if hop_case:
         close.append(bool(own is not None and alike and abs(own.raised - data.raised) < 0.05))
         words.append(f"{style} of {name}: toes {100 * own.raised:.1f} cm apart" if own else f"{style}: no finite walk")
         words[-1] += f", data {100 * data.raised:.1f}"
-    judge("m22-fig6-left-hop", all(close), "; ".join(words), [sum(close), len(close)])
+    judge("m22-fig6-left-hop", all(close), "; ".join(words), value=[sum(close), len(close)])
     note = "; ".join(f"{kind} of the raised foot nearer to the data's by {e}" for kind, e in swing_effect.items())
     note += f"; tied to the hop with contact-free phases {swings['contact-free']['tied'].mean():.2f}, data 1"
     better = bool(swing_effect) and all(effect.low > 0 for effect in swing_effect.values())
@@ -694,7 +687,7 @@ if lifted:
     value = [float(found[model].mean()) for name, found in lifted.items() if name in asked for model in MODULATED]
     holds = all(effect.low > SEEN for found in asked.values() for effect in found.values())
     starts_left = min(len(found["lpn-film"]) for found in lifted.values())
-    judge("m22-fig7-arms-above-head", holds, ". ".join(words) + CIRCULAR, value, starts_left)
+    judge("m22-fig7-arms-above-head", holds, ". ".join(words) + CIRCULAR, value=value, n=starts_left)
 else:
     recorder.not_testable("m22-fig7-arms-above-head", f"runs of {', '.join(MODULATED)}")
 if collared:
@@ -728,7 +721,9 @@ if wrong:
     ]
     holds, value = all(effect.low > 0 for effect in effects.values()), effects.get(main.name)
     n = sum(found["lpn-film"].shape[1] for found in wrong.values())
-    judge("m22-one-hot-wrong-style", holds, ". ".join(words), value.interval if value else None, n, several)
+    judge(
+        "m22-one-hot-wrong-style", holds, ". ".join(words), value=value.interval if value else None, n=n, seeds=several
+    )
 else:
     recorder.not_testable("m22-one-hot-wrong-style", "runs of lpn-onehot and lpn-film")
 for case in cases:

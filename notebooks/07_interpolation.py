@@ -52,7 +52,6 @@ from stylephase.models.bundle import load_bundle
 from stylephase.models.released import release_bundle
 from stylephase.report import plots
 from stylephase.report.blends import along_motion, along_plot, triangle_plot
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
@@ -314,38 +313,38 @@ even_film = table[models[-1]]["off_line"][2] < table["a switch"]["off_line"][0] 
 step_words = [f"{name} {v:.2f} [{low:.2f}, {high:.2f}]" for name, (v, low, high) in largest.items()]
 recorder.claim(
     "m22-fig8-bent-forward-lean-back",
+    smoother,
+    f"largest of ten steps between two styles, one-hot less FiLM {difference[0]:.3g} [{difference[1]:.2f}, "
+    f"{difference[2]:.2f}]; {', '.join(step_words)}; even is 0.1, a switch 1; pairs of the data's own styles",
     value=list(difference),
-    verdict=OTHER_DATA if smoother else DIFFERS,
     n=len(kept),
     seeds=[0],
-    note=f"largest of ten steps between two styles, one-hot less FiLM {difference[0]:.3g} [{difference[1]:.2f}, "
-    f"{difference[2]:.2f}]; {', '.join(step_words)}; even is 0.1, a switch 1; pairs of the data's own styles",
 )
 recorder.claim(
     "m22-one-hot-keeps-first-style",
+    keeps,
+    "share at which half the way is made, from either end, with its interval; 0.5 is no memory of the first style",
     value=list(halves[models[0]]),
-    verdict=OTHER_DATA if keeps else DIFFERS,
     n=len(kept),
     seeds=[0],
-    note="share at which half the way is made, from either end, with its interval; 0.5 is no memory of the first style",
 )
 recorder.claim(
     "m22-film-smooth-interpolation",
+    even_film,
+    f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}",
     value=list(table[models[-1]]["off_line"]),
-    verdict=OTHER_DATA if even_film else DIFFERS,
     n=len(kept),
     seeds=[0],
-    note=f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}",
 )
 if near:
     least = float(min(d.min() for d in near.values()))
     recorder.claim(
         "m22-interpolation-clipping",
-        value=[len(closer), len(near), least],
-        verdict=REPRODUCED if closer else DIFFERS,
-        n=len(near),
-        note="released weights: pairs between which a hand comes 5 cm nearer to the trunk's line than in either style, "
+        bool(closer),
+        "released weights: pairs between which a hand comes 5 cm nearer to the trunk's line than in either style, "
         "of how many, and the least distance (m)",
+        value=[len(closer), len(near), least],
+        n=len(near),
         dataset="100style",
     )
 else:

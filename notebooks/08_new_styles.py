@@ -48,7 +48,6 @@ from stylephase.features.store import VectorStore
 from stylephase.models.bundle import load_bundle
 from stylephase.models.zoo import build, widths_of
 from stylephase.report import plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.new_styles import code_maps
 from stylephase.report.png import write_png
@@ -309,19 +308,19 @@ recorder = Recorder(
 seeds, count = [base.about["seed"]], len(new)
 recorder.claim(
     "m22-unseen-styles-not-robust",
+    gain.min() > 1.1,
+    "error of a step before fine-tuning over that after: mean, least and most over the new styles",
     value=[float(gain.mean()), float(gain.min()), float(gain.max())],
-    verdict=OTHER_DATA if gain.min() > 1.1 else DIFFERS,
     n=count,
     seeds=seeds,
-    note="error of a step before fine-tuning over that after: mean, least and most over the new styles",
 )
 recorder.claim(
     "m22-fine-tuning-frozen-lpn",
+    gain.min() > 1 and untouched == 0,
+    f"error before over after; walks nearest to their own style, of {count}; frozen tensors and codes that differ",
     value=[float(gain.mean()), sum(n == a for n, a in zip(names, near["after"], strict=True)), untouched],
-    verdict=OTHER_DATA if gain.min() > 1 and untouched == 0 else DIFFERS,
     n=count,
     seeds=seeds,
-    note=f"error before over after; walks nearest to their own style, of {count}; frozen tensors and codes that differ",
 )
 seen, unseen_before = found["before"][:2]
 unseen_after = found["after, together"][1]
@@ -331,34 +330,34 @@ values = [np.array([some[name] for name in clustered]) for some in (after, befor
 gained = difference(values[0], values[1], np.random.default_rng(0))
 recorder.claim(
     "m22-fig11a-before",
+    unseen_before < seen,
+    "mean silhouette in the space of the codes, known styles then new ones",
     value=[seen, unseen_before],
-    verdict=OTHER_DATA if unseen_before < seen else DIFFERS,
     n=count,
     seeds=seeds,
-    note="mean silhouette in the space of the codes, known styles then new ones",
 )
 recorder.claim(
     "m22-fig11b-after",
-    value=[unseen_before, unseen_after, found["after, alone"][1]],
-    verdict=OTHER_DATA if gained.low > 0 else DIFFERS,
-    n=count,
-    seeds=seeds,
-    note="mean silhouette of new styles before, after learning all by one generator, after learning each by its own; "
+    gained.low > 0,
+    "mean silhouette of new styles before, after learning all by one generator, after learning each by its own; "
     f"gained by new styles of several clips {gained}; "
     f"of known styles {seen:.2f} before and {found['after, together'][0]:.2f} after",
+    value=[unseen_before, unseen_after, found["after, alone"][1]],
+    n=count,
+    seeds=seeds,
 )
 protocol = [max(counts), len(known), count]
 recorder.claim(
     "m22-fig11-protocol",
+    protocol == recorder.catalogue.claims["m22-fig11-protocol"].paper_value,
+    f"{min(counts)} to {max(counts)} walking clips of each style, as the data have them",
     value=protocol,
-    verdict=OTHER_DATA if protocol == recorder.catalogue.claims["m22-fig11-protocol"].paper_value else DIFFERS,
-    note=f"{min(counts)} to {max(counts)} walking clips of each style, as the data have them",
 )
 recorder.claim(
     "m22-new-style-adapters-large",
+    min(added["pfnn-resad"], added["lpn-resad"]) > 10 * added["lpn-film"],
+    "values for one more style, large where ten times a FiLM code: PFNN Resad, LPN Resad, a FiLM code",
     value=[added["pfnn-resad"], added["lpn-resad"], added["lpn-film"]],
-    verdict=REPRODUCED if min(added["pfnn-resad"], added["lpn-resad"]) > 10 * added["lpn-film"] else DIFFERS,
-    note="values for one more style, large where ten times a FiLM code: PFNN Resad, LPN Resad, a FiLM code",
 )
 recorder.not_testable(
     "m22-new-style-onehot-retrains-all",

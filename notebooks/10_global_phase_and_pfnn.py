@@ -47,7 +47,6 @@ from stylephase.motion.synthetic import STYLES, find_style, walk
 from stylephase.phase.circular import distance
 from stylephase.phase.global_phase import fitted_phase, global_phase
 from stylephase.report import palette, plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 from stylephase.report.show import figure, table
@@ -490,10 +489,6 @@ shown
 
 
 # %%
-def judge(identifier: str, holds: bool, note: str, **measured) -> str:
-    return recorder.claim(identifier, verdict=OTHER_DATA if holds else DIFFERS, note=note, **measured)
-
-
 needs = "the captures of the paper, which were never published"
 for identifier in ("m18-data-styles", "m18-data-frames-per-style", "m18-data-gaits"):
     recorder.not_testable(identifier, needs)
@@ -507,12 +502,12 @@ if labelled:
     found = {how: [round(scores[n][how].ninth_decile, 3) for n in takes] for how in next(iter(scores.values()))}
     medians = [round(scores[n]["from contacts"].median, 3) for n in takes]
     frames = sum(scores[n]["from contacts"].frames for n in takes)
-    judge("m18-data-skeleton", joints == 31, "Holden's takes, end sites not counted", value=joints)
+    recorder.claim("m18-data-skeleton", joints == 31, "Holden's takes, end sites not counted", value=joints)
     note = "against weights blended by hand with Equation 1; layers as of a network drawn at random"
     holds = len(shapes) == 3 and fig2_off < 1e-10 < fig2_null
-    recorder.claim("m18-fig2-pfnn", value=fig2_off, verdict=REPRODUCED if holds else DIFFERS, note=note, n=5)
+    recorder.claim("m18-fig2-pfnn", holds, note, value=fig2_off, n=5)
     note = f"of Holden's network, whose statistics put {spacing:.1f} frames between two points"
-    judge("m18-trajectory-points", points == 12 and abs(spacing - 10) < 0.5, note, value=points)
+    recorder.claim("m18-trajectory-points", points == 12 and abs(spacing - 10) < 0.5, note, value=points)
     # The printed share of an adapter in the network tells nearly how many values go in and out together.
     names = ("m18-features-input", "m18-features-output", "m18-full-adapter-share")
     wide_in, wide_out, full_share = (recorder.catalogue.claims[name].paper_value for name in names)
@@ -521,23 +516,22 @@ if labelled:
     fits = abs(adapter - full_share) < 0.05
     note = f"from the parts, with the joints of Holden's takes; a full adapter is then {adapter:.2f} % of the network, "
     note += f"in print {full_share}"
-    judge("m18-features-input", inputs == wide_in and fits, note, value=inputs)
-    judge("m18-features-output", outputs == wide_out and fits, note, value=outputs)
+    recorder.claim("m18-features-input", inputs == wide_in and fits, note, value=inputs)
+    recorder.claim("m18-features-output", outputs == wide_out and fits, note, value=outputs)
     even = abs(balance["takes and mirrored copies"]) < 0.05 * abs(balance["the takes"]) and abs(lean) < 0.01
     note = "degrees/s to the left of Holden's takes, alone and with their copies; the data of the network are even too"
-    judge("m18-data-mirrored", even, note, value=[round(value, 2) for value in balance.values()], n=len(alone))
+    recorder.claim("m18-data-mirrored", even, note, value=[round(value, 2) for value in balance.values()], n=len(alone))
     note = "ninth decile of the distance from hand labels (cycles), " + " and ".join(takes)
-    judge("m18-phase-label", max(found["from contacts"]) <= 0.15, note, value=found["from contacts"], n=frames)
+    recorder.claim("m18-phase-label", max(found["from contacts"]) <= 0.15, note, value=found["from contacts"], n=frames)
     note = (
         "contacts are found from foot speed, and nobody cleans them: distance of the phase from hand labels over that "
     )
     note += "of two sets of hand labels from each other; above {0:g} cleaning would be worth its while"
     bound = recorder.catalogue.claims["ours-label-noise"].at_most
-    judge("m18-phase-semi-automatic", ratio > bound, note.format(bound), value=round(ratio, 3), n=noise.frames)
+    recorder.claim("m18-phase-semi-automatic", ratio > bound, note.format(bound), value=round(ratio, 3), n=noise.frames)
     holds = worst["spline"] <= 3e-6 and worst["lines"] > 0.01
     note = f"largest residual of the release's weights {worst['spline']:.1e}, with straight lines {worst['lines']:.2f}"
-    verdict = REPRODUCED if holds else DIFFERS
-    recorder.claim("m18-eq1-spline", value=POINTS, verdict=verdict, note=note, n=len(INDICES) * len(PARTS))
+    recorder.claim("m18-eq1-spline", holds, note, value=POINTS, n=len(INDICES) * len(PARTS))
     recorder.claim("ours-spline-release", value=float(f"{worst['spline']:.1e}"), n=len(INDICES) * len(PARTS))
     recorder.claim("ours-spline-linear", value=round(worst["lines"], 3), n=len(INDICES) * len(PARTS))
     recorder.claim("ours-label-median", value=medians, n=frames)

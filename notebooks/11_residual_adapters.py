@@ -47,7 +47,7 @@ from stylephase.models.spline import catmull_rom
 from stylephase.models.synthesis import NetworkSettings
 from stylephase.models.zoo import PAPER_2018, WIDTHS_2018, Widths, build
 from stylephase.report import palette, plots
-from stylephase.report.claims import DIFFERS, REPRODUCED
+from stylephase.report.claims import REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.recorder import Recorder
 from stylephase.report.show import table
@@ -59,10 +59,6 @@ from stylephase.training.presets import L1, preset_for
 figures = ROOT / figures_folder
 recorder = Recorder("11_residual_adapters", dataset=dataset, preset=preset, params={})
 KINDS = {"full": "full", "diag": "diagonal", "cp": "cp"}
-
-
-def judge(identifier: str, holds: bool, note: str = "", **measured) -> str:
-    return recorder.claim(identifier, verdict=REPRODUCED if holds else DIFFERS, note=note, **measured)
 
 
 # %% [markdown]
@@ -258,30 +254,36 @@ table(
 # ## What was recorded
 
 # %%
-judge("m18-eq2-parallel-adapter", beside_off < 1e-12, "against weights added to the layer's own", value=beside_off)
-judge("m18-eq4-network", isinstance(cp, Adapters) and zero_off == 0, "and with adapters at zero, the shared network")
-judge(
+recorder.claim(
+    "m18-eq2-parallel-adapter", beside_off < 1e-12, "against weights added to the layer's own", value=beside_off
+)
+recorder.claim(
+    "m18-eq4-network", isinstance(cp, Adapters) and zero_off == 0, "and with adapters at zero, the shared network"
+)
+recorder.claim(
     "m18-fig3-adapter", beside_off < 1e-12 and zero_off == 0, "the module Adapters against added weights, and at zero"
 )
 holds = changed[0] == 0 < changed[1] and len(cp.adapters) == 8
-judge("m18-fig4-overview", holds, "of the hidden layers the second alone changes with the style", value=changed)
+recorder.claim(
+    "m18-fig4-overview", holds, "of the hidden layers the second alone changes with the style", value=changed
+)
 norms = [m for m in base.modules() if "Norm" in type(m).__name__]
-judge("m18-no-batch-norm", not norms, value=len(norms))
+recorder.claim("m18-no-batch-norm", not norms, value=len(norms))
 full, trained, stored, *decomposed = text
-judge("m18-full-adapter-share", full.verdict == REPRODUCED, value=round(full.counted, 2))
-judge("m18-eq6-cp", cp_off < 1e-12, "against the full matrices of its control points", value=cp_off)
-judge("m18-cp-rank", ranks == [30], "of the matrices of base styles' adapters", value=ranks[0])
+recorder.claim("m18-full-adapter-share", full.verdict == REPRODUCED, value=round(full.counted, 2))
+recorder.claim("m18-eq6-cp", cp_off < 1e-12, "against the full matrices of its control points", value=cp_off)
+recorder.claim("m18-cp-rank", ranks == [30], "of the matrices of base styles' adapters", value=ranks[0])
 sized = of_rank == by_sum and max(of_rank.values()) > 50 * min(of_rank.values())
 note = f"parameters of rank {min(RANKS)} and {max(RANKS)}; whether more data want more is asked in notebook 12"
-judge("m18-adjustable-size", sized, note, value=[of_rank[n] for n in (min(RANKS), max(RANKS))], n=len(RANKS))
-judge("m18-cp-share-training", trained.verdict == REPRODUCED, trained.note, value=round(trained.counted, 2))
-judge("m18-cp-share-runtime", stored.verdict == REPRODUCED, stored.note, value=round(stored.counted, 3))
+recorder.claim("m18-adjustable-size", sized, note, value=[of_rank[n] for n in (min(RANKS), max(RANKS))], n=len(RANKS))
+recorder.claim("m18-cp-share-training", trained.verdict == REPRODUCED, trained.note, value=round(trained.counted, 2))
+recorder.claim("m18-cp-share-runtime", stored.verdict == REPRODUCED, stored.note, value=round(stored.counted, 3))
 note = "weight sets that a frame is run with, of 1000 phases around the circle"
-judge("m18-phase-steps", steps == 50, note, value=steps)
+recorder.claim("m18-phase-steps", steps == 50, note, value=steps)
 note = f"{decomposed[0].note}; {decomposed[1].note}"
 holds = all(row.verdict == REPRODUCED for row in decomposed)
-judge("m18-cp-whole-network-size", holds, note, value=[round(row.counted, 2) for row in decomposed])
-judge(
+recorder.claim("m18-cp-whole-network-size", holds, note, value=[round(row.counted, 2) for row in decomposed])
+recorder.claim(
     "m18-cp-whole-network-speed",
     3 <= round(speed_up, 1) <= 4,
     "one thread, weights at 50 phases",
@@ -291,28 +293,34 @@ judge(
 recorder.not_testable(
     "m18-cp-whole-network-control", "two networks trained alike, one decomposed in whole, and users' paths to follow"
 )
-judge("m18-cp-learned-directly", learned == {"a", "b", "d", "bias"}, "what a gradient reaches", value=len(learned))
-judge("m18-cp-phase-only-diagonal", points["a"][0] == 32 and points["d"][0] == 4, "the bias has control points too")
+recorder.claim(
+    "m18-cp-learned-directly", learned == {"a", "b", "d", "bias"}, "what a gradient reaches", value=len(learned)
+)
+recorder.claim(
+    "m18-cp-phase-only-diagonal", points["a"][0] == 32 and points["d"][0] == 4, "the bias has control points too"
+)
 for kind, (few, many) in zip(KINDS, zip(memory[0::2], memory[1::2], strict=True), strict=True):
     holds = few.verdict == many.verdict == REPRODUCED
     value = [round(few.counted, 4), round(many.counted, 4)]
-    judge(f"m18-table1-{KINDS[kind]}-memory", holds, few.note, value=value)
+    recorder.claim(f"m18-table1-{KINDS[kind]}-memory", holds, few.note, value=value)
     name = f"pfnn-{kind}"
     note = f"another machine; over the diagonal's time {slower[name]:.2f}, in print {PRINTED[name]:.2f}"
     near = abs(slower[name] / PRINTED[name] - 1) < 0.1
     if name == "pfnn-diag":
         recorder.not_testable("m18-table1-diagonal-runtime", "the paper's machine; the other times are judged by it")
     else:
-        judge(f"m18-table1-{KINDS[kind]}-runtime", near, note, value=round(times[name][0] / 1000, 6), n=5)
+        recorder.claim(f"m18-table1-{KINDS[kind]}-runtime", near, note, value=round(times[name][0] / 1000, 6), n=5)
 order = sorted(PRINTED, key=lambda name: times[name][0])
 ratios = [round(slower[name], 2) for name in ("pfnn-full", "pfnn-cp")]
 note = f"in order of time: {', '.join(order)}; times over the diagonal's, full and decomposed"
-judge("m18-fewest-parameters-fastest", order == ["pfnn-diag", "pfnn-cp", "pfnn-full"], note, value=ratios)
+recorder.claim("m18-fewest-parameters-fastest", order == ["pfnn-diag", "pfnn-cp", "pfnn-full"], note, value=ratios)
 many = round(memory[1].counted * 100 / 1024, 2)
 grown = [parameters(adapters("full", n, 512)) for n in (1, 2, 4)]
 linear = grown == [grown[0] * n for n in (1, 2, 4)]
-judge("m18-memory-grows-linearly", linear, "GiB of a hundred full adapters at 50 phases", value=many)
-judge("m18-no-reference-at-runtime", asked == ["x", "gate_input", "code"], f"a frame asks for {', '.join(asked)} alone")
+recorder.claim("m18-memory-grows-linearly", linear, "GiB of a hundred full adapters at 50 phases", value=many)
+recorder.claim(
+    "m18-no-reference-at-runtime", asked == ["x", "gate_input", "code"], f"a frame asks for {', '.join(asked)} alone"
+)
 table(
     ("claim", "value", "verdict", "note"),
     *((r.name, "" if r.value is None else r.value, r.verdict, r.note) for r in recorder.record.results),

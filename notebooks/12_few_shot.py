@@ -80,7 +80,6 @@ from stylephase.features.store import VectorStore, for_gate
 from stylephase.files import read_json
 from stylephase.models.bundle import load_bundle
 from stylephase.report import fewshot_plots
-from stylephase.report.claims import DIFFERS, OTHER_DATA, REPRODUCED
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import QUICK, Recorder
@@ -748,13 +747,7 @@ recorder = Recorder(
     params={"dataset": dataset, "preset": preset, "run": run, "run_neutral": run_neutral, "seed": seed},
     data_files=[folder / "weights.safetensors" for folder in folders],
 )
-
-
-def judge(identifier: str, holds: bool, note: str, **measured) -> str:
-    claim = recorder.catalogue.claims[identifier]
-    elsewhere = bool(claim.data) and claim.data != dataset
-    verdict = (OTHER_DATA if elsewhere else REPRODUCED) if holds else DIFFERS
-    return recorder.claim(identifier, verdict=verdict, note=note, n=len(new), seeds=[seed], **measured)
+judge = partial(recorder.claim, n=len(new), seeds=[seed])
 
 
 def against(ours: str, theirs: str):

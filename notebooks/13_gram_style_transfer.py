@@ -46,7 +46,6 @@ from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
 from stylephase.models.autoencoder import save_autoencoder
 from stylephase.models.bundle import load_bundle
-from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import QUICK, Recorder
@@ -286,11 +285,10 @@ behind = group_difference(*(some[np.isfinite(some)] for some in lead.values()), 
 worse = f"by how much ours is nearer, medians of {problem.sum()} problem styles and of {(~problem).sum()} others; "
 worse += f"the means differ by {behind}"
 if one_clip:
-    verdict = OTHER_DATA if shares[1] > 0.5 else DIFFERS
-    recorder.claim("m18-gram-as-good", value=shares, verdict=verdict, n=len(targets), note=note)
-    verdict = OTHER_DATA if medians["problem"] < 0 and behind.high < 0 else DIFFERS
+    recorder.claim("m18-gram-as-good", shares[1] > 0.5, note, value=shares, n=len(targets))
+    holds = medians["problem"] < 0 and behind.high < 0
     value = list(medians.values())
-    recorder.claim("m18-gram-worse-for-problem-styles", verdict=verdict, value=value, n=len(targets), note=worse)
+    recorder.claim("m18-gram-worse-for-problem-styles", holds, worse, value=value, n=len(targets))
 else:
     fair = "needs adapters that saw the same clip and no more"
     recorder.not_testable("m18-gram-as-good", f"{fair}; {note}: {', '.join(f'{v:.2f}' for v in shares)}")
@@ -298,11 +296,11 @@ else:
 far, lost_way = (np.concatenate([some[name] for name in turns or [straight]]) for some in (off, unled))
 recorder.claim(
     "m18-gram-protocol",
-    value=[float(np.median(far)), float(np.median(lost_way))],
-    verdict=OTHER_DATA if np.median(far) < 0.5 * np.median(lost_way) else DIFFERS,
-    n=len(targets),
-    note="metres off the stylised motion's path, in the median: ours, and one that goes straight on; "
+    bool(np.median(far) < 0.5 * np.median(lost_way)),
+    "metres off the stylised motion's path, in the median: ours, and one that goes straight on; "
     + ("on turns" if turns else "without turns in the data it tells little"),
+    value=[float(np.median(far)), float(np.median(lost_way))],
+    n=len(targets),
 )
 if dataset == "bandai-namco" and not quick:
     over, saying = {"n": len(targets), "seeds": [seed]}, f"{bundle.model} learned from {saw}"

@@ -44,7 +44,6 @@ from stylephase.evaluation.validation import kept_measures, reference_of, split,
 from stylephase.evaluation.walked import recordings, walk_all
 from stylephase.features.store import VectorStore
 from stylephase.models.bundle import is_bundle, load_bundle
-from stylephase.report.claims import DIFFERS, OTHER_DATA
 from stylephase.report.manifest import ROOT
 from stylephase.report.measure_plots import damage_map, measures_of_models
 from stylephase.report.recorder import QUICK, Recorder
@@ -330,9 +329,9 @@ note += "; ".join(f"{way} {v[0]:.2f} [{v[1]:.2f}, {v[2]:.2f}]" for way, v in sha
 note += f"; clearly below 1 in {len(lost)} of {len(asked)} PFNNs with adapters"
 recorder.claim(
     "m18-detail-lost",
-    verdict=OTHER_DATA if len(lost) == len(asked) else DIFFERS,
+    len(lost) == len(asked),
+    note,
     value=[round(float(share[way][0]), 3) for way in asked],
-    note=note,
     **about_runs,
 )
 note = f"{len(kept)} of {len(MEASURES)} measures notice the damage that they are there for; dropped: "
@@ -341,8 +340,7 @@ of_style = [name for name in kept if "wrong style" in MEASURES[name][2]]
 note += f"; of style: {', '.join(of_style) or 'none is left'}"
 note += "; all but bones ask for recorded walks"
 # What the paper misses is a measure of stylised motion; those of motion alone were known.
-verdict = DIFFERS if of_style else OTHER_DATA
-recorder.claim("m18-no-metric", verdict=verdict, value=len(of_style), n=len(held), note=note)
+recorder.claim("m18-no-metric", not of_style, note, value=len(of_style), n=len(held))
 ours_first = [question for question, pair in PAIRS.items() if pair[0] == "lpn-film"]
 if set(ours_first) <= set(better):
     ahead = [len(better[question][0]) > len(better[question][1]) for question in ours_first]
@@ -351,8 +349,7 @@ if set(ours_first) <= set(better):
         f"{question}: {', '.join(ours) or 'nothing'} and {', '.join(theirs) or 'nothing'}"
         for question, (ours, theirs) in ((question, better[question]) for question in ours_first)
     )
-    verdict, value = OTHER_DATA if all(ahead) else DIFFERS, [sum(ahead), len(ahead)]
-    recorder.claim("m22-better-motion-quality", verdict=verdict, value=value, note=words, **about_runs)
+    recorder.claim("m22-better-motion-quality", all(ahead), words, value=[sum(ahead), len(ahead)], **about_runs)
 else:
     recorder.not_testable("m22-better-motion-quality", "runs of all seven models")
 told = f"{count} windows of two seconds; {len(lots.whole)} styles by other takes, the rest by second halves of takes; "

@@ -88,29 +88,21 @@ class Record:
     manifest: Mapping[str, Any]
 
 
-def verdict_of(
-    value: Any,
-    *,
-    at_least: Any = None,
-    at_most: Any = None,
-    within: tuple[Any, Any] | None = None,
-    other_data: bool = False,
-) -> str:
-    """Verdict on a number, or an array of which every element counts, from the bounds given (both ends included).
+def within_bounds(value: Any, at_least: Number | None, at_most: Number | None) -> bool:
+    """Whether a number, or every element of an array, lies within the bounds given, both ends included.
 
-    `within` is (lowest, highest). `other_data` says that the data are not those of the claim.
     Raises ValueError without any bound and for a value that is not finite.
 
-    >>> verdict_of(0.3, at_most=0.3), verdict_of(0.3, at_most=0.3, other_data=True), verdict_of([0.3, 0.4], at_most=0.3)
-    ('reproduced', 'reproduced on other data', 'differs')
+    >>> within_bounds(0.3, None, 0.3), within_bounds([0.3, 0.4], None, 0.3)
+    (True, False)
     """
-    low, high = within or (at_least, at_most)
-    if low is None and high is None:
+    if at_least is None and at_most is None:
         raise ValueError("expected a bound to judge by")
-    if not np.all(np.isfinite(value)):
+    values = np.asarray(value)
+    if not np.all(np.isfinite(values)):
         raise ValueError(f"expected finite values, got {value}")
-    holds = (low is None or np.all(np.asarray(value) >= low)) and (high is None or np.all(np.asarray(value) <= high))
-    return (OTHER_DATA if other_data else REPRODUCED) if holds else DIFFERS
+    low, high = (-np.inf if at_least is None else at_least), (np.inf if at_most is None else at_most)
+    return bool(np.all((low <= values) & (values <= high)))
 
 
 def read_claims(path: str | Path) -> Catalogue:
@@ -178,9 +170,7 @@ def _judgement_fault(entry: Mapping[str, Any], claim: Claim) -> str | None:
         return None
     if value is None and claim.kind == "number":
         return f"{claim.id} has no value"
-    if claim.bounded and (verdict_of(value, at_least=claim.at_least, at_most=claim.at_most) == DIFFERS) != (
-        verdict == DIFFERS
-    ):
+    if claim.bounded and within_bounds(value, claim.at_least, claim.at_most) == (verdict == DIFFERS):
         return f"{claim.id} has value {value} and verdict {verdict!r}, but claims.toml asks for {claim.bounds}"
     return None
 

@@ -54,7 +54,6 @@ _FEW = 0.1
 NEAR, MOST, JOLT = 0.1, 0.8, 1.5
 # A way within this angle (rad) of the wanted one is taken.
 ANGLE = np.radians(15)
-OTHER = "reproduced on other data"
 # Gain of the release's documented set-up ([M22] release 5.2).
 _RELEASE_GAIN = 6.0
 # Noise on all weights, against their own deviation.
@@ -452,8 +451,7 @@ def _record_blend(recorder: Recorder, blend: Blend) -> None:
     note = f"share of the wish {user[0]:.2f} at the next point and {user[1]:.2f} at the last, of the network's path "
     note += f"{network[0]:.2f} and {network[1]:.2f}; turns of 90 degrees end {blend.turned.mean():.0f} degrees off, "
     note += f"with the wish left out {blend.unheard.mean():.0f}"
-    verdict = "reproduced" if blend.blended else "differs"
-    recorder.claim("m22-demo-trajectory-blend", verdict=verdict, value=user, n=len(blend.turned), note=note)
+    recorder.claim("m22-demo-trajectory-blend", blend.blended, note, value=user, n=len(blend.turned))
 
 
 def _record_crowd(recorder: Recorder, found: Found) -> None:
@@ -461,11 +459,8 @@ def _record_crowd(recorder: Recorder, found: Found) -> None:
     whose = "the authors' network" if found.released else "our network"
     note = f"of {crowd.count} styles of {whose} {crowd.right} are told apart: nearest to other walks of their own, "
     note += f"{crowd.dealt} where styles are dealt anew; not held against recorded walks"
-    good, dataset = ("reproduced", "100style") if found.released else (OTHER, None)
-    verdict = good if crowd.most else "differs"
-    recorder.claim(
-        "m22-fig1-many-styles", verdict=verdict, value=crowd.right, n=crowd.count, note=note, dataset=dataset
-    )
+    dataset = "100style" if found.released else None
+    recorder.claim("m22-fig1-many-styles", crowd.most, note, value=crowd.right, n=crowd.count, dataset=dataset)
 
 
 def _record_finishing(recorder: Recorder, found: Found) -> None:
@@ -475,15 +470,14 @@ def _record_finishing(recorder: Recorder, found: Found) -> None:
     note = f"holding feet lessens the slide by {value:.3f} m/s [{low:.3f}, {high:.3f}] over {len(found.recorded)} "
     note += f"styles, from {np.median(skate['grounded']):.3f} grounded ({np.median(skate['raw']):.3f} raw) to "
     note += f"{np.median(skate['finished']):.4f}; feet held at wrong times slide {np.median(skate['scrambled']):.2f}"
-    verdict = OTHER if better else "differs"
-    recorder.claim("m22-demo-foot-ik", verdict=verdict, value=float(np.median(skate["finished"])), note=note)
+    recorder.claim("m22-demo-foot-ik", bool(better), note, value=float(np.median(skate["finished"])))
     value, low, high = found.more_wrong
     share = [100 * float(part.mean()) for part in (found.pure.wrong, found.half.wrong, found.half.wrong_led)]
     note = f"a hand over 5 cm off in {share[1]:.1f} % of frames of interpolated styles by rotations alone, in "
     note += f"{share[0]:.1f} % of pure ones (difference {100 * value:.1f} [{100 * low:.1f}, {100 * high:.1f}]), "
     note += f"and in {share[2]:.1f} % with led arms"
     mended = low > 0 and share[2] < 0.2 * share[1]
-    recorder.claim("m22-demo-arm-ik", verdict=OTHER if mended else "differs", value=share[1:], note=note)
+    recorder.claim("m22-demo-arm-ik", mended, note, value=share[1:])
     finished = found.looks["finished"]
     jerks, costs = finished.acceleration / found.recorded, found.costs
     median = f"{np.median(finished.skate):.4f} m/s in the median"
@@ -502,7 +496,7 @@ def _record_mixing(recorder: Recorder, found: Found) -> None:
     smooth = bool(high <= JOLT and low > 1)
     note = f"largest acceleration {value:.2f} times that of held mixtures (at most {high:.2f}); where the mixture "
     note += f"jumps {null:.2f} times as much again (at least {low:.2f}); {len(held)} triangles"
-    recorder.claim("m22-demo-three-styles", verdict="reproduced" if smooth else "differs", value=smooth, note=note)
+    recorder.claim("m22-demo-three-styles", smooth, note, value=smooth)
 
 
 def _record_codes(recorder: Recorder, found: Found) -> None:
@@ -517,14 +511,12 @@ def _record_codes(recorder: Recorder, found: Found) -> None:
         note = f"from {way} {seen.right} of {n} styles are nearest to their own, {seen.dealt} with each other's codes"
         notes.append(f"{note}; {held} stay plausible for {after:.0f} s")
     good = all(held >= MOST * n and seen.most for held, (_, seen) in zip(kept, ways.values(), strict=True))
-    verdict = OTHER if good else "differs"
-    recorder.claim("m22-demo-precomputed-code", verdict=verdict, value=kept, n=n, note="; ".join(notes))
+    recorder.claim("m22-demo-precomputed-code", good, "; ".join(notes), value=kept, n=n)
     if found.one_clip is None:
         recorder.not_testable("m22-arbitrary-length", "the style network, which the weights kept here leave out")
         return
     # Motion of any length: whoever breaks speaks against it.
-    verdict = OTHER if kept[-1] == n else "differs"
-    recorder.claim("m22-arbitrary-length", verdict=verdict, value=kept[-1], n=n, note=notes[-1])
+    recorder.claim("m22-arbitrary-length", kept[-1] == n, notes[-1], value=kept[-1], n=n)
 
 
 def _broken(found: Found) -> str:

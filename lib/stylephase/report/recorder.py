@@ -11,6 +11,9 @@ from stylephase.files import write_json
 from stylephase.report.claims import (
     DIFFERS,
     NOT_TESTABLE,
+    OTHER_DATA,
+    REPRODUCED,
+    Claim,
     Record,
     Result,
     Value,
@@ -18,7 +21,7 @@ from stylephase.report.claims import (
     entry_of,
     finite,
     read_claims,
-    verdict_of,
+    within_bounds,
 )
 from stylephase.report.manifest import ROOT, manifest
 
@@ -51,47 +54,55 @@ class Recorder:
     def claim(
         self,
         identifier: str,
+        holds: bool | None = None,
+        note: str = "",
         *,
         value: Any = None,
-        verdict: str | None = None,
         n: int | None = None,
         seeds: Sequence[int] = (),
         tolerance: Value | None = None,
-        note: str = "",
         dataset: str | None = None,
     ) -> str:
         """Record one claim and return its verdict.
 
-        Without a `verdict` the bounds in claims.toml decide, and where the `dataset` of this claim (the notebook's
-        unless given) is not the claim's, a bound that holds is "reproduced on other data". `n` is the number of
-        cases behind the value. Raises InputError for an unknown claim, one of another notebook, one recorded
-        twice, and a verdict that is missing, contradicts the bounds or lacks its note.
+        Whether it `holds` the bounds in claims.toml decide, and where it has none the notebook. What holds is
+        "reproduced on other data" where the `dataset` of this claim (the notebook's unless given) is not the claim's.
+        `n` is the number of cases behind the value. Raises InputError for an unknown claim, one of another notebook,
+        one recorded twice, a value that is not finite, and a verdict that nothing decides, contradicts the bounds or
+        lacks its note.
         """
-        claim = self.catalogue.claims.get(identifier)
-        if claim is None:
-            raise InputError(f"{identifier} is not in claims.toml")
-        if identifier in self.entries:
-            raise InputError(f"{identifier} is recorded twice")
-        value = _plain(value)
+        claim, value = self._fresh(identifier), _plain(value)
         if not finite(value):
             raise InputError(f"{identifier} has value {value}; expected finite values")
-        if verdict is None:
+        if holds is None:
             if not claim.bounded or value is None:
                 raise InputError(f"{identifier} needs a verdict: it has no {'value' if claim.bounded else 'bounds'}")
-            other = bool(claim.data) and claim.data != (dataset or self.dataset)
-            verdict = verdict_of(value, at_least=claim.at_least, at_most=claim.at_most, other_data=other)
+            holds = within_bounds(value, claim.at_least, claim.at_most)
+        other = bool(claim.data) and claim.data != (dataset or self.dataset)
+        verdict = (OTHER_DATA if other else REPRODUCED) if holds else DIFFERS
         if verdict == DIFFERS and not note and self.preset == QUICK:
             note = QUICK_NOTE
-        measured = {"value": value, "verdict": verdict, "n": n, "seeds": list(seeds), "note": note}
-        entry = entry_of(claim, tolerance=tolerance if tolerance is not None else claim.bounds or None, **measured)
-        if reason := entry_fault(entry, self.notebook, self.catalogue):
-            raise InputError(reason)
-        self.entries[identifier] = entry
+        tolerance = claim.bounds or None if tolerance is None else tolerance
+        self._enter(claim, verdict, note, value=value, n=n, seeds=list(seeds), tolerance=tolerance)
         return verdict
 
     def not_testable(self, identifier: str, needs: str) -> None:
         """Record that a claim cannot be tested here, and what a test needs."""
-        self.claim(identifier, verdict=NOT_TESTABLE, note=needs)
+        claim = self._fresh(identifier)
+        self._enter(claim, NOT_TESTABLE, needs, value=None, n=None, seeds=[], tolerance=claim.bounds or None)
+
+    def _fresh(self, identifier: str) -> Claim:
+        if identifier not in self.catalogue.claims:
+            raise InputError(f"{identifier} is not in claims.toml")
+        if identifier in self.entries:
+            raise InputError(f"{identifier} is recorded twice")
+        return self.catalogue.claims[identifier]
+
+    def _enter(self, claim: Claim, verdict: str, note: str, **measured: Any) -> None:
+        entry = entry_of(claim, verdict=verdict, note=note, **measured)
+        if reason := entry_fault(entry, self.notebook, self.catalogue):
+            raise InputError(reason)
+        self.entries[claim.id] = entry
 
     def number(self, name: str, value: Any, unit: str = "") -> None:
         """Record a number that belongs to no claim but is quoted in the text or compared by a test."""

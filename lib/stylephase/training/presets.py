@@ -61,7 +61,7 @@ PRESETS = {
         ),
         steps=1200,
         styles_per_step=6,
-        frames_per_style=48,
+        frames_per_style=24,
         mixed=False,
         log_every=200,
         save_every=600,

@@ -35,6 +35,7 @@ paper = "M18"
 where = "Figure 1"
 name = "It looks right."
 kind = "figure"
+data = "100style"
 notebook = "01_small"
 status = "open"
 
@@ -78,33 +79,29 @@ def written(recorder: Recorder, **changes) -> Path:
     return path
 
 
-class TestVerdicts:
+class TestBounds:
     @pytest.mark.parametrize(
-        ("value", "bounds", "verdict"),
+        ("value", "bounds", "inside"),
         [
-            (0.2, {"at_most": 0.2}, "reproduced"),
-            (0.2001, {"at_most": 0.2}, "differs"),
-            (3, {"at_least": 3}, "reproduced"),
-            (2.999, {"at_least": 3}, "differs"),
-            (1.0, {"within": (0.75, 1.25)}, "reproduced"),
-            (1.3, {"within": (0.75, 1.25)}, "differs"),
-            ([0.8, 1.2], {"at_least": 0.75, "at_most": 1.25}, "reproduced"),
-            ([0.7, 1.2], {"at_least": 0.75, "at_most": 1.25}, "differs"),
-            (0.1, {"at_most": 0.2, "other_data": True}, "reproduced on other data"),
-            (0.3, {"at_most": 0.2, "other_data": True}, "differs"),
+            (0.2, (None, 0.2), True),
+            (0.2001, (None, 0.2), False),
+            (3, (3, None), True),
+            (2.999, (3, None), False),
+            ([0.8, 1.2], (0.75, 1.25), True),
+            ([0.7, 1.2], (0.75, 1.25), False),
         ],
     )
-    def test_bounds_are_inclusive_and_hold_for_every_element(self, value, bounds, verdict):
-        assert claims.verdict_of(value, **bounds) == verdict
+    def test_bounds_are_inclusive_and_hold_for_every_element(self, value, bounds, inside):
+        assert claims.within_bounds(value, *bounds) is inside
 
     @pytest.mark.parametrize("value", [np.nan, np.inf, [0.1, np.nan]])
-    def test_no_verdict_on_what_is_not_finite(self, value):
+    def test_nothing_is_said_of_what_is_not_finite(self, value):
         with pytest.raises(ValueError, match="finite"):
-            claims.verdict_of(value, at_most=1)
+            claims.within_bounds(value, None, 1)
 
-    def test_no_verdict_without_a_bound(self):
+    def test_nothing_is_said_without_a_bound(self):
         with pytest.raises(ValueError, match="bound"):
-            claims.verdict_of(1.0)
+            claims.within_bounds(1.0, None, None)
 
 
 class TestCatalogue:
@@ -113,10 +110,10 @@ class TestCatalogue:
         [
             ('status = "open"', 'satus = "open"', ":6: claim ratio has unknown fields: satus"),
             ('notebook = "01_small"\n', "", ":6: claim ratio lacks notebook"),
-            ('notebook = "02_other"', 'notebook = "03_third"', ":28: claim elsewhere has notebook '03_third'"),
+            ('notebook = "02_other"', 'notebook = "03_third"', ":29: claim elsewhere has notebook '03_third'"),
             ('kind = "figure"', 'kind = "picture"', ":19: claim look has kind 'picture'"),
             ('id = "look"', 'id = "ratio"', ":19: claim ratio is listed twice"),
-            ('paper = "ours"', 'paper = "M20"', ":28: claim elsewhere has paper 'M20'"),
+            ('paper = "ours"', 'paper = "M20"', ":29: claim elsewhere has paper 'M20'"),
             ("at_most = 0.2", "at_most =", "not TOML"),
         ],
     )
@@ -216,19 +213,30 @@ class TestRecorder:
         ("identifier", "given", "message"),
         [
             ("rate", {"value": 1.0}, "not in claims.toml"),
-            ("elsewhere", {"value": 1.0, "verdict": "reproduced"}, "belongs to notebook 02_other"),
+            ("elsewhere", {"value": 1.0, "holds": True}, "belongs to notebook 02_other"),
             ("look", {"value": 1.0}, "needs a verdict: it has no bounds"),
             ("ratio", {}, "needs a verdict: it has no value"),
             ("ratio", {"value": np.nan}, "expected finite values"),
             ("ratio", {"value": 0.5}, "needs a note: the reason"),
-            ("ratio", {"value": 0.5, "verdict": "reproduced"}, "asks for at most 0.2"),
-            ("look", {"verdict": "not testable here"}, "needs a note: what it needs"),
+            ("ratio", {"value": 0.5, "holds": True}, "asks for at most 0.2"),
+            ("look", {"holds": False}, "needs a note: the reason"),
         ],
     )
     def test_a_claim_that_cannot_stand_is_refused(self, recorder, identifier, given, message):
         with pytest.raises(InputError, match=message):
             recorder.claim(identifier, **given)
         assert recorder.entries == {}
+
+    def test_what_is_not_testable_says_what_it_needs(self, recorder):
+        with pytest.raises(InputError, match="needs a note: what it needs"):
+            recorder.not_testable("look", "")
+
+    @pytest.mark.parametrize(
+        ("holds", "dataset", "verdict"),
+        [(True, None, "reproduced"), (True, "xia", "reproduced on other data"), (False, "xia", "differs")],
+    )
+    def test_without_bounds_the_notebook_says_whether_a_claim_holds(self, recorder, holds, dataset, verdict):
+        assert recorder.claim("look", holds, "by eye", dataset=dataset) == verdict
 
     def test_a_claim_is_recorded_once(self, recorder):
         recorder.not_testable("look", "eyes")

@@ -19,8 +19,8 @@ from stylephase.models.lpn import NetworkSettings, SynthesisNetwork
 
 _WIDTHS = (348, 8, 342)
 _EXPERTS, _SIZES = 8, (348, 512, 512, 342)
-# A row of the plain form needs as much memory as an expert, so the curves, which take many steps, have fewer rows.
-_ROWS, _PLAIN_ROWS, _CURVE_ROWS = 1024, 1024, 64
+# A row of the plain form needs as much memory as an expert, and takes as long in any batch: fewer of them are enough.
+_ROWS, _PLAIN_ROWS, _CURVE_ROWS = 1024, 256, 64
 _ROUNDS, _CURVE_STEPS = 3, 25
 _MIB = 2**20
 
