@@ -38,17 +38,37 @@ import numpy as np
 from IPython.display import Image, Markdown, Video
 
 from stylephase.data.catalogue import load_catalogue
-from stylephase.evaluation import character
+from stylephase.evaluation.bench.character import difference, frame_costs, one_frame
 from stylephase.evaluation.bench.crowds import crowd_rows
-from stylephase.evaluation.robustness import as_json, endure
+from stylephase.evaluation.crowd import crowd_of, endure_from_one_clip, recognised, released_crowd
+from stylephase.evaluation.looks import (
+    arms_of,
+    half_way,
+    looks_of,
+    mixing_accelerations,
+    recorded_accelerations,
+    ring,
+    ways_of_finishing,
+)
+from stylephase.evaluation.robustness import as_json, endure, shaken
 from stylephase.evaluation.robustness import table as endured_table
 from stylephase.evaluation.rollouts import codes_of, walking_speed
-from stylephase.evaluation.runs import run_name
+from stylephase.evaluation.runs import run_name, with_style_network
 from stylephase.evaluation.starts import walked_starts
+from stylephase.evaluation.steered import (
+    NEAR,
+    after_standing,
+    changed_speeds,
+    drift,
+    forward_speeds,
+    reached_speeds,
+    trajectory_blend,
+    ways_aside,
+)
 from stylephase.evaluation.style import style_space
 from stylephase.features.store import VectorStore, for_gate
 from stylephase.models.released import load_weights
-from stylephase.report import played
+from stylephase.report import played, played_claims
 from stylephase.report.manifest import ROOT
 from stylephase.report.png import write_png
 from stylephase.report.recorder import QUICK, Recorder
@@ -107,12 +127,12 @@ walker, codes = NetworkWalker(bundle), codes_of(bundle, styles)
 start, curves = walker.start(codes), walker.curves(bundle.styles, grounded=True)
 wanted = np.array([walking_speed(style) for style in styles])
 gains = np.array([curves[style].gain(speed) for style, speed in zip(bundle.styles, wanted, strict=True)])
-led = character.reached_speeds(bundle, codes, start, at_pace(Steady(gains), wanted))
-as_gain = character.reached_speeds(bundle, codes, start, Steady(wanted))
+led = reached_speeds(bundle, codes, start, at_pace(Steady(gains), wanted))
+as_gain = reached_speeds(bundle, codes, start, Steady(wanted))
 Markdown(played.speed_table(bundle.styles, wanted, gains, led))
 
 # %%
-within, by_gain = (int((np.abs(v / wanted - 1) <= played.NEAR).sum()) for v in (led, as_gain))
+within, by_gain = (int((np.abs(v / wanted - 1) <= NEAR).sum()) for v in (led, as_gain))
 Markdown(f"Within 10 % of the speed of their data: {within} of {len(wanted)} styles; with the gain alone {by_gain}.")
 
 # %% [markdown]
@@ -120,26 +140,26 @@ Markdown(f"Within 10 % of the speed of their data: {within} of {len(wanted)} sty
 # in; both are pushed until they walk. Without that lead it shows.
 
 # %%
-waiting = character.after_standing(Steady(gains), 3.0)
-stood = character.reached_speeds(bundle, codes, start, at_pace(waiting, wanted), seconds=24.0)
-unled = character.reached_speeds(bundle, codes, start, waiting, seconds=24.0)
-changed = character.changed_speeds(bundle, codes, start, gains, wanted)
+waiting = after_standing(Steady(gains), 3.0)
+stood = reached_speeds(bundle, codes, start, at_pace(waiting, wanted), seconds=24.0)
+unled = reached_speeds(bundle, codes, start, waiting, seconds=24.0)
+changed = changed_speeds(bundle, codes, start, gains, wanted)
 cases = {"after standing": (stood, wanted), "after standing, not led": (unled, wanted)}
 cases |= {"after a change of style": (changed, np.roll(wanted, -1))}
-later = {case: int((np.abs(v / asked - 1) <= played.NEAR).sum()) for case, (v, asked) in cases.items()}
+later = {case: int((np.abs(v / asked - 1) <= NEAR).sum()) for case, (v, asked) in cases.items()}
 Markdown("; ".join(f"{case}: {count} of {len(wanted)} styles within 10 %" for case, count in later.items()))
 
 # %% [markdown]
 # Styles also have faster gaits. Which of their speeds, means over whole takes, are reached?
 
 # %%
-asked = [(s, gait, speed) for s in styles for gait, speed in character.forward_speeds(s).items()]
+asked = [(s, gait, speed) for s in styles for gait, speed in forward_speeds(s).items()]
 speeds = np.array([speed for *_, speed in asked])
 paced = [curves[s.style].reached(speed) for s, _, speed in asked]
 plan = at_pace(Steady(np.array([curves[s.style].gain(speed) for s, _, speed in asked])), np.array(paced))
 many = [s for s, *_ in asked]
 each = codes_of(bundle, many)
-gaits = character.reached_speeds(bundle, each, walker.start(each), plan)
+gaits = reached_speeds(bundle, each, walker.start(each), plan)
 missed = [
     f"{s.style} {gait} {v:.2f}: {r:.2f}" for (s, gait, v), r in zip(asked, gaits, strict=True) if abs(r / v - 1) > 0.1
 ]
@@ -153,7 +173,7 @@ Markdown(
 # ahead at that speed it must not pass.
 
 # %%
-sideways = played.ways_aside(bundle, styles, curves)
+sideways = ways_aside(bundle, styles, curves)
 Markdown(played.aside_table(sideways) if sideways else "These data have no such takes.")
 
 # %% [markdown]
@@ -166,7 +186,7 @@ Markdown(played.aside_table(sideways) if sideways else "These data have no such 
 # the further ahead. With the wish left out nobody turns when asked to.
 
 # %%
-blend = character.trajectory_blend(bundle, codes, start, gains)
+blend = trajectory_blend(bundle, codes, start, gains)
 shares = [f"{u:.2f} and {n:.2f}" for u, n in zip(blend.user, blend.network, strict=True)]
 Markdown(
     f"Shares of the wish and of the network, point by point: {'; '.join(shares)}. Turns of 90° end "
@@ -184,9 +204,9 @@ Markdown(
 # walks of the same style and length.
 
 # %%
-ways = character.ways_of_finishing(bundle, codes, start, gains, wanted, 15.0)
-looks = {which: character.looks_of(run, bundle.body) for which, run in ways.items()}
-recorded = character.recorded_accelerations(store, bundle.styles, 12.0)
+ways = ways_of_finishing(bundle, codes, start, gains, wanted, 15.0)
+looks = {which: looks_of(run, bundle.body) for which, run in ways.items()}
+recorded = recorded_accelerations(store, bundle.styles, 12.0)
 Markdown(played.looks_table(looks, recorded))
 
 # %% [markdown]
@@ -199,11 +219,11 @@ Markdown(played.looks_table(looks, recorded))
 # between two? And with arms that are led there?
 
 # %%
-pairs = character.ring(bundle.styles)
-pure = character.arms_of(ways["grounded"], bundle.body)
+pairs = ring(bundle.styles)
+pure = arms_of(ways["grounded"], bundle.body)
 gain_of = dict(zip(bundle.styles, gains.tolist(), strict=True))
 speed_of = dict(zip(bundle.styles, wanted.tolist(), strict=True))
-half = character.arms_of(character.half_way(bundle, gain_of, speed_of, pairs, 15.0), bundle.body)
+half = arms_of(half_way(bundle, gain_of, speed_of, pairs, 15.0), bundle.body)
 at = {style: k for k, style in enumerate(bundle.styles)}
 more_wrong = half.wrong - np.array([(pure.wrong[at[a]] + pure.wrong[at[b]]) / 2 for a, b in pairs])
 Markdown(
@@ -219,9 +239,9 @@ Markdown(
 # %%
 fast = {"ONNX": FastNetwork(to_onnx(bundle)), "8 bits": FastNetwork(to_onnx(bundle, quantised=True))}
 one = walker.start(bundle.code(corners[0])[None])
-costs = character.costs(bundle, bundle.code(corners[0]), one, fast)
-two = [character.one_frame(bundle, codes, start, gains, fast=network) for network in (None, fast["8 bits"])]
-bits = character.difference(*two, bundle.body)
+costs = frame_costs(bundle, bundle.code(corners[0]), one, fast)
+two = [one_frame(bundle, codes, start, gains, fast=network) for network in (None, fast["8 bits"])]
+bits = difference(*two, bundle.body)
 Markdown("; ".join(f"{part}: {ms:.2f} ms" for part, ms in costs.items()) + f"; 8 bits differ by {bits:.2f} mm a joint")
 
 # %% [markdown]
@@ -256,7 +276,7 @@ Video(str(figures / "09_play.mp4"), embed=True)
 # the player turns the wish against that; where it leads to speeds alone it shows.
 
 # %%
-hold = partial(played.drift, bundle, codes, start, gains, seconds=min(seconds, 30.0))
+hold = partial(drift, bundle, codes, start, gains, seconds=min(seconds, 30.0))
 drifts = {"ours": hold(wanted, KeySettings()), "led to speeds alone": hold(wanted, KeySettings(), straightens=False)}
 drifts |= {"keys as released": hold(wanted, RELEASE_KEYS)}
 lines = [
@@ -277,7 +297,7 @@ Markdown(f"After {min(seconds, 30.0):.0f} s of W. " + ". ".join(lines) + ".")
 # %%
 triples = played.triples(bundle.styles, most=1 if preset == QUICK else 7)
 threes = [Player(bundle, three, speed=float(np.median(wanted)), curves=curves) for three in triples]
-mixed = [character.mixing(each, 12.0) for each in threes]
+mixed = [mixing_accelerations(each, 12.0) for each in threes]
 mixing = np.array([[found[which] for which in ("changing", "held", "jumping")] for found in mixed])
 round_trip = played.round_trip(player, corners, 12.0)
 motion = played.motion_of(round_trip, bundle.body, "three styles")
@@ -307,9 +327,9 @@ lines = [curves[style] for style in bundle.styles]
 wander = partial(endure, bundle, bundle.styles, gains=gains, seconds=seconds, curves=lines)
 alone = wander(codes, start, seconds=min(seconds, 30.0), fast=fast["ONNX"], seed=1)
 space = style_space(styles, bundle.body.layout)
-known = played.recognised(bundle, codes, start, gains, space)
-maker = bundle if bundle.makes_codes else played.with_style_network(ROOT / runs_folder, name)
-one_clip = maker and played.endure_from_one_clip(maker, styles, wanted, min(seconds, 60.0), space)
+known = recognised(bundle, codes, start, gains, space)
+maker = bundle if bundle.makes_codes else with_style_network(ROOT / runs_folder, name)
+one_clip = maker and endure_from_one_clip(maker, styles, wanted, min(seconds, 60.0), space)
 held = {"stored means": (alone, known)} | ({"one clip": (one_clip.endured, one_clip.recognised)} if one_clip else {})
 table(
     ("codes", "stay plausible", "nearest to their own", "with each other's codes", "of"),
@@ -325,13 +345,13 @@ table(
 
 # %%
 found = wander(codes, start, fast=fast["ONNX"])
-shaken = endure(played.shaken(bundle), bundle.styles, codes, start, gains, min(seconds, 10.0))
+broken = endure(shaken(bundle), bundle.styles, codes, start, gains, min(seconds, 10.0))
 Markdown(endured_table(found))
 
 # %%
 Markdown(
     f"Plausible for all of {seconds:.0f} s: {sum(not e.broken for e in found)} of {len(found)} styles; "
-    f"with shaken weights {sum(not e.broken for e in shaken)} of {len(shaken)}."
+    f"with shaken weights {sum(not e.broken for e in broken)} of {len(broken)}."
 )
 
 # %% [markdown]
@@ -342,11 +362,12 @@ Markdown(
 # ways, say what its style is like; dealt each other's codes the characters must not be recognised.
 
 # %%
-shown = played.released_crowd(load_weights(crowd_weights)) if crowd_weights else None
-shown = shown or played.crowd_of(bundle, start, gains=gains)
-columns = int(np.ceil(np.sqrt(4 * len(shown.motions))))
-alt = f"{len(shown.motions)} characters in {len(shown.motions)} styles, each in a pose of its walk."
-write_png(figures / "09_play-crowd.png", crowd(shown.motions, columns=columns), alt=alt)
+whose = load_weights(crowd_weights) if crowd_weights else bundle
+shown = released_crowd(whose) if crowd_weights else crowd_of(bundle, start, gains=gains)
+motions = played.crowd_motions(shown, whose)
+columns = int(np.ceil(np.sqrt(4 * len(motions))))
+alt = f"{len(motions)} characters in {len(motions)} styles, each in a pose of its walk."
+write_png(figures / "09_play-crowd.png", crowd(motions, columns=columns), alt=alt)
 Image(figures / "09_play-crowd.png", alt=alt)
 
 # %%
@@ -379,13 +400,13 @@ params = {"model": model, "runs_folder": runs_folder, "weights": weights}
 params |= {"seconds": seconds, "crowd_weights": crowd_weights}
 kept = "weights.safetensors" if weights else "evaluation.json"
 recorder = Recorder("09_play", dataset=dataset, preset=preset, params=params, data_files=[folder / kept])
-result = played.Found(
+result = played_claims.Found(
     dataset=dataset,
     recorded=recorded,
     looks=looks,
     pure=pure,
     half=half,
-    more_wrong=played.effect(more_wrong),
+    more_wrong=played_claims.effect(more_wrong),
     mixing=mixing,
     costs=costs,
     wanted=wanted,
@@ -401,7 +422,7 @@ result = played.Found(
     released=bool(crowd_weights),
     seconds=seconds,
 )
-played.record(recorder, result)
+played_claims.record(recorder, result)
 recorder.number("speeds within 10 %", within, f"of {len(wanted)} styles")
 recorder.number("speeds within 10 %, gain alone", by_gain, f"of {len(wanted)} styles")
 for case, count in later.items():
@@ -421,7 +442,7 @@ for rule, found_drift in drifts.items():
     recorder.number(f"beside the way, {rule}", ends[1], "m, median and most")
 recorder.number("told apart in the crowd of many styles", [shown.right, shown.dealt], f"of {shown.count}, dealt anew")
 recorder.number("plausible to the end", sum(not e.broken for e in found), f"of {len(found)} styles, {seconds:g} s each")
-recorder.number("plausible to the end, shaken weights", sum(not e.broken for e in shaken), f"of {len(shaken)} styles")
+recorder.number("plausible to the end, shaken weights", sum(not e.broken for e in broken), f"of {len(broken)} styles")
 recorder.number("endurance", as_json(found))
 recorder.number("recognised in a crowd, dealt anew", known.dealt, f"of {known.count} styles")
 recorder.number("characters a second", {row.name: row.ratio for row in rates}, "times one by itself")

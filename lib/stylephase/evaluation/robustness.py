@@ -4,9 +4,10 @@ Each character follows a random path of its own at a random speed that changes e
 kept of the motion but what is judged, so an hour takes no memory.
 """
 
+import copy
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -272,3 +273,16 @@ def table(found: Sequence[Endurance]) -> str:
         numbers = (f"{100 * each.bones:.1f}", f"{each.off_path:.2f}", f"{each.speed:.2f}")
         lines.append("| " + " | ".join(cells + numbers) + " |")
     return "\n".join(lines)
+
+
+# Noise on all weights, against their own deviation.
+_SHAKE = 2.0
+
+
+def shaken(bundle: Bundle, seed: int = 0) -> Bundle:
+    """The same network with noise on its weights: what a check must find broken."""
+    network, generator = copy.deepcopy(bundle.network), torch.Generator().manual_seed(seed)
+    with torch.no_grad():
+        for weight in network.synthesis.parameters():
+            weight += _SHAKE * weight.std(correction=0) * torch.randn(weight.shape, generator=generator)
+    return replace(bundle, network=network)

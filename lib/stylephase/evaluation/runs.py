@@ -17,7 +17,7 @@ from numpy import ndarray
 from stylephase.data.registry import DATA
 from stylephase.errors import InputError
 from stylephase.files import read_json, write_json
-from stylephase.models.bundle import is_bundle
+from stylephase.models.bundle import Bundle, is_bundle, load_bundle
 from stylephase.models.zoo import PAPER_2022
 
 KEPT = DATA / "runs"
@@ -127,3 +127,9 @@ def common_styles(runs: Sequence[Run]) -> tuple[str, ...]:
         if own != styles[0]:
             raise InputError("was tested on other styles than the first run", run.file)
     return styles[0]
+
+
+def with_style_network(runs: Path, name: str) -> Bundle | None:
+    """The first whole run of a name in the folder of runs whose weights make codes of clips."""
+    whole = (load_bundle(path.parent) for path in sorted(runs.glob(f"{name}-seed*/model.json")))
+    return next((bundle for bundle in whole if bundle.makes_codes), None)

@@ -4,10 +4,12 @@ import json
 
 import numpy as np
 import pytest
+import tiny_walker as tiny
 
 from stylephase.errors import InputError
 from stylephase.evaluation.quality import flaws, sound, still_falling, trade_off
-from stylephase.evaluation.runs import by_model, common_styles, error_table, find_runs, keep_run
+from stylephase.evaluation.runs import by_model, common_styles, error_table, find_runs, keep_run, with_style_network
+from stylephase.models.bundle import save_bundle
 
 
 def walk(style: str, **changes) -> dict:
@@ -121,3 +123,12 @@ def test_the_trade_off_goes_by_the_rate_in_the_run(put, tmp_path):
     np.testing.assert_allclose(found["error"], [0.05, 0.1, 0.2])
     np.testing.assert_allclose(found["wrong code"], 3.0)
     np.testing.assert_allclose(found["recognised"], [0.5, 1.0, 1.0])
+
+
+def test_a_run_counts_only_with_its_style_network(tmp_path):
+    assert with_style_network(tmp_path, "made-cpu-lpn-film") is None
+    save_bundle(tmp_path / "made-cpu-lpn-film-seed0", tiny.bundle(), to_run=True)
+    assert with_style_network(tmp_path, "made-cpu-lpn-film") is None
+    save_bundle(tmp_path / "made-cpu-lpn-film-seed1", tiny.bundle())
+    found = with_style_network(tmp_path, "made-cpu-lpn-film")
+    assert found is not None and found.makes_codes
