@@ -66,9 +66,10 @@ records = [recorder.record, *others]
 #
 # Our own numbers, and some of the papers', are judged by bounds in `data/claims.toml`, written down before; all else
 # by a rule in its notebook, beside the evidence. Other data are real capture of other people, walks that a network
-# generated, or the synthetic walker: the note tells. Square brackets hold 95 % intervals, over styles, and over seeds
-# where there are several; a claim that differs with an interval on both sides of no effect was not shown, which is less
-# than contradicted.
+# generated, or the synthetic walker: the note tells.
+
+# %%
+Markdown(scorecard.HOW_SURE)
 
 # %% [markdown]
 # ## The balance
@@ -86,12 +87,13 @@ assert all(claim.notebook in catalogue.notebooks for claim in catalogue.claims.v
 
 # %% [markdown]
 # Numbers and settings can agree because a thing is built alike; statements and figures say how it behaves. What to look
-# for: orange asks for its reason, in the list below.
+# for: amber asks for its reason, in the list below.
 
 # %%
 TIGHT = {"columnspacing": 1.0, "handlelength": 1.2}
-tones = (palette.CONTACT, palette.LEFT, palette.RIGHT, palette.QUIET, palette.SHADOW)
-COLOURS = {o: tone for o, tone in zip(scorecard.OUTCOMES, tones, strict=True) if o in scorecard.outcomes(table)}
+COLOURS = {
+    o: tone for o, tone in zip(scorecard.OUTCOMES, palette.OUTCOMES, strict=True) if o in scorecard.outcomes(table)
+}
 titles = [title.replace(", ", ",\n") for title in table]
 left = np.zeros(len(table), dtype=int)
 with plots.style():
@@ -99,8 +101,8 @@ with plots.style():
     for outcome, colour in COLOURS.items():
         widths = np.array([row[outcome] for row in table.values()])
         bars = axes.barh(titles, widths, left=left, color=colour, label=outcome, edgecolor=palette.BACKGROUND)
-        ink = palette.INK if outcome == "open" else palette.BACKGROUND
-        axes.bar_label(bars, [str(width) if width > 5 else "" for width in widths], label_type="center", color=ink)
+        shown = [str(width) if width > 5 else "" for width in widths]
+        axes.bar_label(bars, shown, label_type="center", color=palette.ink_on(colour))
         left += widths
     axes.invert_yaxis()
     axes.set(xlabel="claims (count)")

@@ -394,10 +394,10 @@ table(("style", "frames", "cycles", "off (cm)", "of it movement (cm)", "courses 
 
 
 # %%
-def walk_of(name: str, style: str, radius: float = 0.0, hand: str = "straight", label: str = ""):
+def walk_of(name: str, style: str, radius: float = 0.0, hand: str = "straight", label: str = "", last: int = 90):
     some = next(c for c in courses[name] if any(course.style == style for course in c.courses))
     motion = walking_motion(some.run, some.of(style, radius, hand), base.body, label)
-    return motion.frames(len(motion) - 90, len(motion))
+    return motion.frames(len(motion) - last, len(motion))
 
 
 def picture(motions, file: str, alt: str, **options) -> Image:
@@ -420,13 +420,13 @@ picture(motions, "fig1", alt, frames=8)
 shown, tight = five[0], radii[-1]
 name = shown.removeprefix("set1-")
 motions = [
-    walk_of("fine-tuned", shown, label=f"{name}, fine-tuned"),
-    walk_of("fine-tuned", shown, tight, "left", f"fine-tuned, {tight:g} m left"),
-    walk_of("CP", shown, label=f"{name}, CP"),
-    walk_of("CP", shown, tight, "left", f"CP, {tight:g} m left"),
+    walk_of("fine-tuned", shown, label=f"{name}, fine-tuned", last=240),
+    walk_of("fine-tuned", shown, tight, "left", f"fine-tuned, {tight:g} m left", last=240),
+    walk_of("CP", shown, label=f"{name}, CP", last=240),
+    walk_of("CP", shown, tight, "left", f"CP, {tight:g} m left", last=240),
 ]
 alt = f"{shown}: a fine-tuned network straight on and turning, and the decomposed adapter's on the same ways."
-picture(motions, "fig6", alt, frames=7, view="three-quarter", travelled=True)
+picture(motions, "fig6", alt, frames=5, view="three-quarter", travelled=True)
 
 # %% [markdown]
 # ## Fig. 7: too few parameters, too many

@@ -14,8 +14,6 @@ from stylephase.report import palette, plots
 
 _WIDTH = 7.2
 _MARKERS = ("o", "^", "s", "D", "v")
-# The same mark for an adapter in every picture.
-_MARK_OF = {"CP": "o", "diagonal": "^", "full": "s", "CP, 3 factors": "D", "CP, 100 factors": "v"}
 _LINES = ("-", "--", ":", "-.", (0, (1, 3)))
 
 
@@ -46,7 +44,8 @@ def sweeps(panels: Mapping[str, Mapping[str, Mapping[float, Middle]]], labels: M
                 # A little apart, so that one line does not hide the next.
                 at = np.array(list(points)) + 0.01 * (k - (len(lines) - 1) / 2) * np.ptp(list(points))
                 colour = palette.colour_of_adapter(label, palette.SEQUENCE[k % len(palette.SEQUENCE)])
-                marker, line = _MARK_OF.get(label, _MARKERS[k % len(_MARKERS)]), _LINES[k % len(_LINES)]
+                marker = palette.ADAPTER_MARKS.get(label, _MARKERS[k % len(_MARKERS)])
+                line = _LINES[k % len(_LINES)]
                 axes.plot(at, [m.value for m in values], marker=marker, linestyle=line, color=colour, label=label)
                 low, high = ([getattr(m, end) for m in values] for end in ("low", "high"))
                 axes.vlines(at, low, high, color=colour, linewidth=1.2, alpha=0.6)

@@ -26,8 +26,12 @@ MODELS = {
     "lpn-film": "#14246E",
 }
 
-# The adapters of [M18].
+# The adapters of [M18], and a mark for each of those that one picture compares.
 ADAPTERS = {"full": "#D55E00", "diag": "#009E73", "cp": "#0072B2"}
+ADAPTER_MARKS = {"CP": "o", "diagonal": "^", "full": "s", "CP, 3 factors": "D", "CP, 100 factors": "v"}
+
+# What became of a claim, from reproduced to open; no colour of a side.
+OUTCOMES = ("#004A41", "#70C8A4", "#E8A317", "#7C8189", "#EEF0F3")
 
 
 def colour_of_adapter(name: str, otherwise: str = QUIET) -> str:
@@ -53,6 +57,12 @@ def dashes_of(name: str) -> str:
 def rgb(colour: str) -> tuple[int, int, int]:
     """Red, green and blue (0 to 255) of a colour written `#RRGGBB`."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def ink_on(colour: str) -> str:
+    """The colour of letters that can be read on this one: ink on light tones, the background's on dark ones."""
+    red, green, blue = rgb(colour)
+    return INK if 0.3 * red + 0.6 * green + 0.1 * blue > 150 else BACKGROUND
 
 
 def darker(colour: str, by: float = 0.2) -> str:

@@ -42,13 +42,25 @@ def _lab(colour: str, sight: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("sight", _SIGHT)
 @pytest.mark.parametrize(
-    "colours", [palette.MODELS, palette.EFFECTORS, {"left": palette.LEFT, "right": palette.RIGHT, "body": palette.BODY}]
+    "colours",
+    [
+        palette.MODELS,
+        palette.EFFECTORS,
+        {"left": palette.LEFT, "right": palette.RIGHT, "body": palette.BODY},
+        {f"outcome {k}": colour for k, colour in enumerate(palette.OUTCOMES)},
+    ],
 )
 def test_colours_stay_apart_for_every_reader(colours: dict[str, str], sight: str):
     """Two colours are clearly told apart from a CIELAB distance of 20 on, with any colour vision."""
     for one, other in combinations(colours, 2):
         distance = np.linalg.norm(_lab(colours[one], _SIGHT[sight]) - _lab(colours[other], _SIGHT[sight]))
         assert distance > 20, (one, other)
+
+
+def test_letters_can_be_read_on_every_outcome():
+    for colour in palette.OUTCOMES:
+        ink, ground = (_lab(each, np.eye(3))[0] for each in (palette.ink_on(colour), colour))
+        assert abs(ink - ground) > 40, colour
 
 
 def test_colour_belongs_to_the_name():
