@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 from numpy import ndarray
 
 from stylephase.data.catalogue import cut_frames, load_clip, usable
@@ -118,11 +117,6 @@ def take_rows(style: StyleVectors, rows: ndarray) -> StyleVectors:
     arrays = {kind: getattr(style, kind)[rows] for kind in kinds}
     gaits, part = tuple(style.gaits[k] for k in takes), np.zeros(len(rows), dtype=int)
     return StyleVectors(style=style.style, symmetric=style.symmetric, gaits=gaits, take=take, part=part, **arrays)
-
-
-def places_of(x: Float[ndarray, "rows inputs"], pose: slice) -> Float[ndarray, "rows joints 3"]:
-    """Places of the joints, seen from the root."""
-    return x[:, pose].reshape(len(x), -1, 4, 3)[:, :, 0].astype(float)
 
 
 def gaits_of(styles: Sequence[NewStyle]) -> list[str]:

@@ -15,7 +15,7 @@ from stylephase.evaluation.predictors import predict_network
 from stylephase.evaluation.test_error import error_of, test_rows
 from stylephase.features.store import StyleVectors, VectorStore
 from stylephase.models.bundle import Bundle
-from stylephase.runtime.rollout import Tick, quiet
+from stylephase.runtime.rollout import quiet
 from stylephase.training.loop import Trainer, trained
 from stylephase.training.losses import bone_lengths, shared_weights, style_weights
 from stylephase.training.presets import Preset
@@ -24,8 +24,8 @@ from stylephase.training.presets import Preset
 KEPT_BACK = ("HandsInPockets", "Roadrunner", "Skip", "Star", "WildArms")
 # The held-out windows of a take: a tenth to validate and a tenth to test; transitions have none ([M22] release 4.1).
 _WINDOWS, _SHARE, _TRANSITION = 2, 10, "TR"
-# Frames on which the loss is held against Eq. 5.
-_ROWS = 64
+# Frames on which the loss is held against Eq. 5; rounds of training that are watched.
+_ROWS, _ROUNDS = 64, 3
 
 
 def drawn_styles(
@@ -104,14 +104,14 @@ def _slope_off(weights: Sequence[Tensor], weight: float) -> float:
     return max(float((count * a - weight * w.detach().sign()).abs().max()) for a, w in zip(found, weights, strict=True))
 
 
-def changed_by_training(trainer: Trainer, rounds: int = 3) -> dict[str, float]:
+def changed_by_training(trainer: Trainer) -> dict[str, float]:
     """The share of tensors of each network (`synthesis`, `generator`) that some rounds of training change.
 
     Where one of them is not trained, its share is 0; who trains both end to end has 1 and 1 ([M22] 4.3). More than one
     round, as a generator begins with codes that do not yet heed the clip.
     """
     before = {name: weight.detach().clone() for name, weight in trainer.network.named_parameters()}
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         trainer.round()
     changed: dict[str, list[bool]] = {}
     for name, weight in trainer.network.named_parameters():
@@ -119,14 +119,14 @@ def changed_by_training(trainer: Trainer, rounds: int = 3) -> dict[str, float]:
     return {network: float(np.mean(some)) for network, some in changed.items()}
 
 
-def off_from_equation_5(trainer: Trainer, seed: int = 0) -> float:
+def off_from_equation_5(trainer: Trainer) -> float:
     """The relative difference of the trainer's loss from [M22] Eq. 5 written out, for outputs that are off at random.
 
     The mean of squares over all outputs, and over all bones the difference of their lengths in metres.
     """
     chosen = np.zeros(1, dtype=int)
     y = trainer.sampler.draw_frames(chosen, _ROWS).y
-    predicted = y + torch.randn(y.shape, generator=torch.Generator().manual_seed(seed))
+    predicted = y + torch.randn(y.shape, generator=torch.Generator().manual_seed(0))
     ours, weight = trainer.loss(y, predicted, chosen)[0], trainer.preset.bone_weight
     mean, std = trainer.normaliser.y_mean, trainer.normaliser.y_std
     lengths = [_bones(rows.numpy().astype(float) * std + mean, trainer) for rows in (y, predicted)]
@@ -176,13 +176,11 @@ class BoneTerm:
     squared: Effect
 
 
-def try_bone_term(
-    store: VectorStore, preset: Preset, name: str, rng: np.random.Generator, model: str = "lpn-film", tick: Tick = quiet
-) -> BoneTerm:
-    """Train a model with the bone-length term of [M22] Eq. 5, without it, and with another seed."""
+def try_bone_term(store: VectorStore, preset: Preset, name: str, rng: np.random.Generator) -> BoneTerm:
+    """Train LPN with FiLM with the bone-length term of [M22] Eq. 5, without it, and with another seed."""
     without = replace(preset, bone_weight=0.0)
     held, flat, other = (
-        _errors(trained(store, model, how, name, seed, tick), store)
+        _errors(trained(store, "lpn-film", how, name, seed, quiet), store)
         for how, seed in ((preset, 0), (without, 0), (preset, 1))
     )
     return BoneTerm(

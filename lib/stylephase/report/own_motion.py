@@ -55,7 +55,9 @@ _MIXAMO = {
     },
 }
 # Of a walk so long (s) the last part is judged: being led to a speed takes some seconds.
-_INCH, _DRIVEN_SECONDS, _LED_SECONDS = 0.0254, 12.0, 6.0
+_DRIVEN_SECONDS, _LED_SECONDS, _SHOWN_SECONDS = 12.0, 6.0, 3.0
+# Styles of the walker and how its files count lengths (m); of other data so many takes of a style are written.
+_WALKERS, _INCH, _EACH = ("Plain", "StoopedOver"), 0.0254, 6
 # What fine-tuned and few-shot styles are called: weights may know the files by another name.
 MINE = "mine"
 
@@ -66,22 +68,22 @@ def as_mixamo(clip: Clip) -> Clip:
     return replace(clip, skeleton=replace(clip.skeleton, names=names))
 
 
-def write_walker(folder: Path, styles: Sequence[str] = ("Plain", "StoopedOver"), seconds: float = 12.0) -> Path:
+def write_walker(folder: Path) -> Path:
     """Takes of the walker as somebody's own files: Mixamo's names, inches, and two that are of no use."""
-    for style in styles:
+    for style in _WALKERS:
         for gait in ("FW", "BW"):
-            clip, truth = walk(find_style(style), gait, seconds=seconds)
+            clip, truth = walk(find_style(style), gait, seconds=12.0)
             whole = as_mixamo(clip.frames(*truth.cut))
             write_bvh(folder / style / f"{style}_{gait}.bvh", whole, metres_per_unit=_INCH)
-    write_bvh(folder / styles[0] / "too_short.bvh", whole.frames(0, 40), metres_per_unit=_INCH)
-    write_bvh(folder / styles[0] / "other_rig.bvh", walk(find_style(styles[0]), "FW", seconds=3.0)[0])
+    write_bvh(folder / _WALKERS[0] / "too_short.bvh", whole.frames(0, 40), metres_per_unit=_INCH)
+    write_bvh(folder / _WALKERS[0] / "other_rig.bvh", walk(find_style(_WALKERS[0]), "FW", seconds=3.0)[0])
     return folder
 
 
-def write_takes(catalogue: Catalogue, folder: Path, gaits: Sequence[str], each: int = 6) -> Path:
-    """Up to so many takes of every style as somebody's own files: cut, at their own rate and unit."""
+def write_takes(catalogue: Catalogue, folder: Path, gaits: Sequence[str]) -> Path:
+    """A few takes of every style as somebody's own files: cut, at their own rate and unit."""
     for style in catalogue.styles:
-        for entry in [entry for entry in catalogue.of(style) if entry.gait in gaits][:each]:
+        for entry in [entry for entry in catalogue.of(style) if entry.gait in gaits][:_EACH]:
             clip, unit = read_with_unit(entry.path, metres_per_unit=catalogue.dataset.metres_per_unit)
             whole = clip.frames(entry.start, len(clip) if entry.stop is None else min(entry.stop, len(clip)))
             write_bvh(folder / style / entry.path.name, whole, metres_per_unit=unit)
@@ -144,10 +146,10 @@ def learn_and_drive(report: Report, work: Path, steps: int) -> Driven:
     return Driven(how, walks, motions, 1000 * float(off.max()), file)
 
 
-def _middle(motion: Motion, seconds: float = 3.0) -> Motion:
+def _middle(motion: Motion) -> Motion:
     """Some seconds from its middle: pictures further apart than that may meet the same pose again and again."""
-    start = max((len(motion) - int(seconds * FPS)) // 2, 0)
-    return motion.frames(start, min(start + int(seconds * FPS), len(motion)))
+    start = max((len(motion) - int(_SHOWN_SECONDS * FPS)) // 2, 0)
+    return motion.frames(start, min(start + int(_SHOWN_SECONDS * FPS), len(motion)))
 
 
 # Weights, the styles to walk in, the vectors that they came from, and how it was learned.

@@ -155,23 +155,6 @@ def _runs(contact: Bool[ndarray, " frames"]) -> list[tuple[int, int]]:
     return [(int(start), int(stop - start)) for start, stop in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def footfall(contacts: Mapping[str, Bool[ndarray, "frames 2"] | Float[ndarray, "frames 2"]], *, fps: float) -> Axes:
-    """Contacts of both feet against time, two lines for each named motion; contacts are (right, left)."""
-    with style():
-        axes = _new_axes(0.5 * len(contacts) + 0.9)
-        for row, values in enumerate(contacts.values()):
-            for column, (side, colour) in enumerate((("right", palette.RIGHT), ("left", palette.LEFT))):
-                bars = [(start / fps, length / fps) for start, length in _runs(values[:, column] > 0.5)]
-                axes.broken_barh(bars, (row + 0.1 + 0.4 * column, 0.36), color=colour, label=side if not row else None)
-        axes.set(xlabel="time (s)", ylabel="motion", ylim=(0, len(contacts)))
-        axes.set_xlim(0, max(len(values) for values in contacts.values()) / fps)
-        axes.set_yticks(np.arange(len(contacts)) + 0.48, list(contacts))
-        axes.invert_yaxis()
-        axes.grid(axis="y", visible=False)
-        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)
-    return axes
-
-
 def learning_curve(
     steps: Float[ndarray, " points"],
     losses: Mapping[str, Float[ndarray, "seeds points"]],

@@ -11,7 +11,7 @@ from PIL import Image
 
 from stylephase.errors import InputError
 from stylephase.report import palette
-from stylephase.report.plots import bar_with_interval, embedding, footfall, learning_curve, phase_plot, save_figure
+from stylephase.report.plots import bar_with_interval, embedding, learning_curve, phase_plot, save_figure
 from stylephase.report.png import LIMIT, write_png
 
 FPS = 60.0
@@ -106,15 +106,6 @@ def test_phase_plot_gives_each_foot_its_own_contacts():
     assert (bar.get_x(), bar.get_width()) == pytest.approx((0.5, 0.5))
 
 
-def test_footfall_bars_lie_where_the_feet_stand():
-    contacts = np.zeros((60, 2), dtype=bool)
-    contacts[:30, 0] = contacts[45:, 0] = contacts[30:45, 1] = True
-    axes = footfall({"walk": contacts}, fps=FPS)
-    right, left = (np.array([path.get_extents().bounds for path in bars.get_paths()]) for bars in axes.collections)
-    np.testing.assert_allclose(right[:, [0, 2]], [[0, 0.5], [0.75, 0.25]])
-    np.testing.assert_allclose(left[:, [0, 2]], [[0.5, 0.25]])
-
-
 def test_learning_curve_shows_the_median_of_the_seeds():
     axes = learning_curve(np.arange(1.0, 4.0), {"lpn-film": np.array([[4.0, 2, 1], [5, 3, 2], [90, 4, 3]])})
     (line,) = axes.lines
@@ -140,10 +131,8 @@ def test_embedding_puts_each_label_at_its_points():
 
 
 def _all_figures() -> list[Figure]:
-    contacts = {"walk": _phases()["contacts"]}
     plots = [
         phase_plot(**_phases())[0],
-        footfall(contacts, fps=FPS),
         learning_curve(np.arange(3.0), {"lpn-film": np.ones((1, 3))}),
         bar_with_interval({"ridge": (0.5, 0.4, 0.6)}, quantity="error", unit="ratio"),
         embedding(np.zeros((2, 2)), ["old", "old"], method="t-SNE"),
@@ -157,12 +146,12 @@ def test_every_axis_says_what_it_shows_and_in_what_unit():
         across = {axes.get_xlabel() for axes in figure.axes} - {""}
         upwards = {axes.get_ylabel() for axes in figure.axes}
         assert across
-        assert all(label in ("motion", "predictor") or label.endswith(")") for label in across | upwards)
+        assert all(label == "predictor" or label.endswith(")") for label in across | upwards)
 
 
 def test_saved_figure_is_small_described_and_the_same_twice(tmp_path: Path):
     for name in ("one.png", "two.png"):
-        axes = footfall({"walk": _phases()["contacts"]}, fps=FPS)
+        axes = phase_plot(**_phases())[0]
         save_figure(axes.figure, tmp_path / name, alt="Contacts of a walk: é")
     assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
     with Image.open(tmp_path / "one.png") as picture:
