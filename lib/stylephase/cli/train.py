@@ -9,7 +9,9 @@ from tqdm import tqdm
 
 from stylephase.cli.output import AsJson, emit
 from stylephase.data.catalogue import check_styles, load_catalogue
+from stylephase.data.registry import OWN
 from stylephase.errors import InputError
+from stylephase.features.captures import check_upright
 from stylephase.features.store import VectorStore
 from stylephase.files import read_json
 from stylephase.models.bundle import Bundle, is_bundle, load_bundle
@@ -46,6 +48,8 @@ def train(
         how = replace(how, network=replace(how.network, input_rate=input_dropout))
         preset = f"{preset} with input dropout {input_dropout:g}"
     catalogue = load_catalogue(data, _chosen(data, styles, without))
+    if data.startswith(OWN) and not is_bundle(out):
+        check_upright(catalogue)
     store = VectorStore(catalogue, how.phases)
     check_folder(out, identity_of(store, model, how, preset, seed), resume=resume)
     with find_team() as team:

@@ -10,8 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
 
 from stylephase.data.catalogue import check_same_skeleton
 from stylephase.data.registry import DATA, MIDDLE_CONTACT
@@ -19,7 +17,7 @@ from stylephase.errors import InputError
 from stylephase.evaluation.motion import ALTERNATION, foot_skate, steps_of
 from stylephase.evaluation.phases import antiphase, explained
 from stylephase.features.body import body_from_json
-from stylephase.features.captures import SLOWEST, too_short, too_slow
+from stylephase.features.captures import SLOWEST, UPRIGHT, above_the_feet, not_upright, too_short, too_slow
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import description
 from stylephase.models.zoo import PHASED_ADAPTERS, model
@@ -41,13 +39,11 @@ _LEGS = (0.6, 1.25)
 _FLIGHT, _RUNNING = 0.1, 1.5
 # No joint of a person goes faster than this (m/s).
 _FASTEST = 20.0
-# Hips are above the feet by this share of the leg, along the axis that is up.
-_UPRIGHT = 0.5
 # Remarks begin here: frames a second, steps, clarity, sliding feet (m/s), floor (m).
 _COARSE, _FEW_STEPS, _CLEAR, _SLIDES, _FLOOR = 50.0, 6, 0.5, 0.15, 0.25
 # A cycle takes two steps; of fewer nothing can be learned. Nobody's takes longer than this (s).
 _LEAST_STEPS, _SLOW_CYCLE = 2, 3.0
-_AXES, _WINDOW, _OFTEN = "xyz", 2.0, 0.05
+_WINDOW, _OFTEN = 2.0, 0.05
 
 
 @dataclass(frozen=True)
@@ -194,7 +190,7 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVari
             name: skeleton.names[joint] for name, joint in zip(EFFECTOR_NAMES, skeleton.roles.effectors, strict=True)
         },
     )
-    faults = tuple(fault for fault in (too_short(at_60), _not_upright(pose, skeleton, legs)) if fault is not None)
+    faults = tuple(fault for fault in (too_short(at_60), not_upright(pose, skeleton)) if fault is not None)
     if faults:
         return replace(seen, faults=faults)
     movement = movement_of(pose, skeleton, FPS, MIDDLE_CONTACT)
@@ -237,7 +233,7 @@ def walk_of(pose: Pose, skeleton: Skeleton, phases: TakePhases) -> Walk:
         steps.cycle,
         float(np.percentile(toes[..., 1].min(axis=1), 3)),
         float((speeds < SLOWEST).mean()),
-        float((_above_the_feet(pose, skeleton)[:, 1] < _UPRIGHT).mean()),
+        float((above_the_feet(pose, skeleton)[:, 1] < UPRIGHT).mean()),
     )
 
 
@@ -264,29 +260,11 @@ def gait_of(speed: float, towards: float, flight: float) -> str:
     return f"{verb} {way}"
 
 
-def _not_upright(pose: Pose, skeleton: Skeleton, legs: float) -> str | None:
-    """Why a file with another axis up, or in which nobody stands upright, is of no use, or None."""
-    above: Float[ndarray, "3"] = np.median(_above_the_feet(pose, skeleton), axis=0)
-    if above[1] > _UPRIGHT:
-        return None
-    axis = int(np.abs(above).argmax())
-    if axis != 1 and abs(above[axis]) > _UPRIGHT:
-        sign = "" if above[axis] > 0 else "-"
-        return f"its up axis seems to be {sign}{_AXES[axis]}; export it with y up"
-    return f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"
-
-
 def _no_cycle(walk: Walk) -> str | None:
     """Why a take without a cycle of steps is of no use, or None."""
     if walk.steps >= _LEAST_STEPS:
         return None
     return f"{walk.steps} steps at {walk.speed:.2f} m/s: no whole cycle, or feet whose contacts cannot be told"
-
-
-def _above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]:
-    """The hips seen from between the toes, in lengths of a leg."""
-    toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
-    return (pose.positions[:, 0] - toes) / skeleton.length_to(skeleton.roles.toes[0])
 
 
 def _remarks(seen: Inspection) -> list[str]:

@@ -32,3 +32,13 @@ def new_style_errors(
         "wrong": float(np.mean(list(borrowed.values()))),
     }
     return errors | {label: error(rival) for label, rival in rivals.items()}
+
+
+def against_holding(bundle: Bundle, base: Bundle, style: StyleVectors, hold: Predictor) -> float:
+    """The squared error of a step by weights with their code for a style, over that of holding the pose.
+
+    On test frames, normalised by `base`; 1 is no better than to stand still.
+    """
+    lengths, both = bone_lengths(base.body), (predict_network(bundle, style.style), hold)
+    ours, standing = (error_of(predictor, style, base, lengths, "test").mse for predictor in both)
+    return ours / standing

@@ -5,6 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from stylephase.data.catalogue import SHORTEST_TAKE, Catalogue, check_same_skeleton, load_clip, usable
 from stylephase.data.layouts import Entry
@@ -14,22 +16,26 @@ from stylephase.features.body import Body
 from stylephase.features.layout import FPS
 from stylephase.features.store import StyleVectors, style_vectors
 from stylephase.features.vectors import vectors
-from stylephase.motion.clip import Clip, forward_kinematics
+from stylephase.motion.clip import Clip, Pose, forward_kinematics
 from stylephase.motion.contacts import ContactRule
 from stylephase.motion.root import root_of
+from stylephase.motion.skeleton import Skeleton
 from stylephase.phase.local import variant
 from stylephase.phase.source import sourcing
 from stylephase.phase.take import movement_of, movement_phases
 
 # The root of someone who walks gets on faster than this (m/s); the slowest takes of the data sets do at twice that.
 SLOWEST = 0.1
+# Hips are above the feet by this share of the leg, along the axis that is up.
+UPRIGHT = 0.5
+_AXES = "xyz"
 
 
 def captured_vectors(paths: Sequence[Path], style: str, body: Body, phases: str, data: str) -> StyleVectors:
     """Vectors of the takes in some files, all of one style, with contacts by the rule of the data set `data`.
 
     A file's frame rate and unit are its own. Raises InputError that names the file: it cannot be read, has another
-    skeleton than `body`, is too short, or nobody walks in it.
+    skeleton than `body`, is too short or lies on its side, or nobody walks in it.
     """
     entries = tuple(Entry(path, style, "any") for path in paths)
     for entry in entries:
@@ -44,6 +50,15 @@ def captured_clip(path: Path, body: Body, data: str) -> Clip:
     clip = replace(clip, skeleton=body.skeleton)
     _check_walk(path, clip)
     return clip
+
+
+def check_upright(catalogue: Catalogue) -> None:
+    """Raise InputError for a data set of one's own whose up axis is not y, by the first take of each style."""
+    for style in catalogue.styles:
+        entry = catalogue.of(style)[0]
+        clip = load_clip(entry, catalogue.dataset, fps=FPS)
+        if reason := not_upright(forward_kinematics(clip), clip.skeleton):
+            raise InputError(reason, entry.path)
 
 
 def clip_vectors(
@@ -77,11 +92,31 @@ def _source(data: str) -> Dataset:
 
 
 def _check_walk(path: Path, clip: Clip) -> None:
-    if (reason := too_short(clip)) is None:
-        root, half = root_of(forward_kinematics(clip), clip.skeleton).positions, int(FPS / 2)
+    pose = forward_kinematics(clip)
+    reason = too_short(clip) or not_upright(pose, clip.skeleton)
+    if reason is None:
+        root, half = root_of(pose, clip.skeleton).positions, int(FPS / 2)
         reason = too_slow(float(np.linalg.norm(root[half:] - root[:-half], axis=1).mean() * FPS / half))
     if reason is not None:
         raise InputError(reason, path)
+
+
+def above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]:
+    """The hips seen from between the toes, in lengths of a leg."""
+    toes = pose.positions[:, list(skeleton.roles.toes)].mean(axis=1)
+    return (pose.positions[:, 0] - toes) / skeleton.length_to(skeleton.roles.toes[0])
+
+
+def not_upright(pose: Pose, skeleton: Skeleton) -> str | None:
+    """Why a take with another axis up, or in which nobody stands upright, is of no use, or None."""
+    above, legs = np.median(above_the_feet(pose, skeleton), axis=0), skeleton.length_to(skeleton.roles.toes[0])
+    if above[1] > UPRIGHT:
+        return None
+    axis = int(np.abs(above).argmax())
+    if axis != 1 and abs(above[axis]) > UPRIGHT:
+        sign = "" if above[axis] > 0 else "-"
+        return f"its up axis seems to be {sign}{_AXES[axis]}; export it with y up"
+    return f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"
 
 
 def too_short(clip: Clip) -> str | None:

@@ -9,10 +9,11 @@ import tiny_walker as tiny
 
 from stylephase.data.catalogue import load_catalogue
 from stylephase.errors import InputError
-from stylephase.features.captures import captured_vectors
+from stylephase.features.captures import captured_vectors, check_upright
 from stylephase.features.store import StyleVectors, style_vectors
 from stylephase.motion.bvh import write_bvh
 from stylephase.motion.clip import Clip, resample
+from stylephase.motion.rotations import from_matrix, to_matrix
 
 
 @pytest.fixture
@@ -67,6 +68,24 @@ def test_standing_is_refused(walk):
     still = replace(clip, root_positions=np.tile(clip.root_positions[:1], (len(clip), 1)))
     with pytest.raises(InputError, match=r"other.bvh: nobody walks in it: it gets on by 0.00 m/s"):
         captured(changed(walk, still))
+
+
+def lying(clip: Clip) -> Clip:
+    """Turned as a program with z up exports it."""
+    turned = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    rotations = clip.rotations.copy()
+    rotations[:, 0] = from_matrix(turned @ to_matrix(clip.rotations[:, 0]))
+    return replace(clip, rotations=rotations, root_positions=clip.root_positions @ turned.T)
+
+
+def test_another_axis_up_is_refused_in_files_and_in_a_data_set(walk):
+    other = changed(walk, lying(tiny.take("Plain").clip))
+    says = "its up axis seems to be z; export it with y up"
+    with pytest.raises(InputError, match=f"other.bvh: {says}"):
+        captured(walk, other)
+    check_upright(load_catalogue(f"own:{walk.parent}", ["Sleepwalk"]))
+    with pytest.raises(InputError, match=f"other.bvh: {says}"):
+        check_upright(load_catalogue(f"own:{walk.parent}"))
 
 
 def test_another_skeleton_is_refused(walk, skeletons):
