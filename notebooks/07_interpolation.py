@@ -28,6 +28,7 @@ figures_folder: str = "build/figures"  # folder for pictures and numbers
 runs_folder: str = "build/runs"  # folder of the trained runs
 models: list[str] = ["lpn-onehot", "lpn-film"]  # models to compare, with a run of seed 0 each
 pair_count: int = 21  # pairs of styles at most
+beside: str = "lpn-rollouts"  # data set with the pair of Fig. 8, used where both models have runs on it
 
 # %%
 import itertools
@@ -40,7 +41,8 @@ from stylephase.data.catalogue import load_catalogue
 from stylephase.data.registry import dataset as find_dataset
 from stylephase.errors import InputError
 from stylephase.evaluation import interpolation
-from stylephase.evaluation.interpolation import SHARES, blend_of, blended_codes, blended_gains, mean_over_pairs
+from stylephase.evaluation.comparison import difference as paired_difference
+from stylephase.evaluation.interpolation import SHARES, blend_of, mean_over_pairs, walked_blends
 from stylephase.evaluation.release_blends import FIG_8, PAST_THE_TRUNK, hand_to_trunk, release_blends
 from stylephase.evaluation.report import groups_of
 from stylephase.evaluation.runs import run_name
@@ -48,16 +50,17 @@ from stylephase.evaluation.style import style_space
 from stylephase.features.layout import FPS
 from stylephase.features.store import VectorStore
 from stylephase.files import read_json
-from stylephase.models.bundle import load_bundle
+from stylephase.models.bundle import is_bundle, load_bundle
 from stylephase.models.released import release_bundle
 from stylephase.report import plots
 from stylephase.report.blends import along_motion, along_plot, triangle_plot
 from stylephase.report.manifest import ROOT
+from stylephase.report.played import triples
 from stylephase.report.png import write_png
 from stylephase.report.recorder import Recorder
 from stylephase.report.render import Layout, grid, movie
 from stylephase.report.show import markdown_table
-from stylephase.report.walks import pick, walking_motion
+from stylephase.report.walks import walking_motion
 from stylephase.runtime.plans import Steady
 from stylephase.runtime.rollout import roll_out
 
@@ -91,14 +94,8 @@ space = style_space(list(styles.values()), film.layout)
 
 
 # %%
-def walk_pairs(model: str, last: bool):
-    bundle = bundles[model]
-    codes, start = blended_codes(bundle, pairs), interpolation.starts(styles, pairs, bundle.body, last=last)
-    return roll_out(bundle, codes, start, frames, Steady(blended_gains(gains[model], pairs)))
-
-
 # Each blend walks twice, from a pose of the first style's data and from one of the second's.
-runs = {model: [walk_pairs(model, last) for last in (False, True)] for model in models}
+runs = {model: walked_blends(bundles[model], gains[model], styles, pairs) for model in models}
 ends = {model: [interpolation.blends_of([run], film.body, space) for run in two] for model, two in runs.items()}
 both = {model: interpolation.blends_of(two, film.body, space) for model, two in runs.items()}
 whole = [k for k in range(len(pairs)) if all(both[model][k] is not None for model in models)]
@@ -146,9 +143,7 @@ Image(figures / "07_interpolation-along.png", alt=alt)
 # %%
 steps = {model: np.array([blend.largest_step for blend in some]) for model, some in blends.items()}
 difference = mean_over_pairs(steps[models[0]] - steps[models[-1]], kept)
-even = {
-    model: float(np.mean([b.largest_step <= 0.2 and b.monotonicity >= 0.95 for b in blends[model]])) for model in models
-}
+even = {model: float(np.mean([blend.even for blend in blends[model]])) for model in models}
 worst = {model: " - ".join(kept[int(steps[model].argmax())]) for model in models}
 Markdown(
     f"The largest step of {models[0]} is larger than that of {models[-1]} by {difference[0]:.2f} "
@@ -208,38 +203,84 @@ Markdown(
 )
 
 # %% [markdown]
+# ## The pair of Fig. 8
+#
+# Weights that learned what the authors' network generated know both its styles; they are judged by walks that an LPN
+# with FiLM made, so this is circular. Pairs that are drawn stand beside it.
+
+
+# %%
+def on_figure_8() -> dict[str, list]:
+    """For each model the blend of Fig. 8 and of drawn pairs, None where a walk broke off; empty without runs."""
+    at = {model: ROOT / runs_folder / run_name(beside, preset, f"{model}-seed0") for model in models}
+    if not all(is_bundle(folder) and (folder / "evaluation.json").exists() for folder in at.values()):
+        return {}
+    theirs = {model: load_bundle(folder) for model, folder in at.items()}
+    names = theirs[models[-1]].styles
+    draws = np.random.default_rng(0)
+    some = [FIG_8, *((names[a], names[b]) for a, b in (draws.choice(len(names), 2, replace=False) for _ in range(20)))]
+    chosen = sorted({*names[::3], *itertools.chain(*some)})
+    generated = VectorStore(load_catalogue(beside, chosen), theirs[models[-1]].about["phases"])
+    vectors, found = {style: generated.load(style) for style in chosen}, {}
+    known = style_space(list(vectors.values()), theirs[models[-1]].layout)
+    for model, bundle in theirs.items():
+        measured = read_json(at[model] / "evaluation.json")["rollouts"]["walks"]
+        two = walked_blends(bundle, {walk["style"]: walk["gain"] for walk in measured}, vectors, some)
+        found[model] = interpolation.blends_of(two, bundle.body, known)
+    return found
+
+
+figure_8 = on_figure_8()
+lines = {}
+for model, some in figure_8.items():
+    drawn = [blend for blend in some[1:] if blend is not None]
+    own = [f"{getattr(some[0], key):.2f}" if some[0] else "broke off" for key in heads]
+    lines[f"{model}, {' to '.join(FIG_8)}"] = own
+    lines[f"{model}, {len(drawn)} drawn pairs"] = [f"{np.mean([getattr(b, key) for b in drawn]):.2f}" for key in heads]
+Markdown(markdown_table(list(heads.values()), lines) if figure_8 else f"No runs on `{beside}` here.")
+
+# %% [markdown]
 # ## Three styles at once
 #
-# Lines lead from what was asked for to where the walks come out, in the plane of the three pure walks.
+# Lines lead from what was asked for to where the walks come out, in the plane of the three pure walks. The picture
+# shows the first of several threes, which share no style.
 
 # %%
-trio = pick(group, 3)
+trios = triples(group, most=1 if preset == "quick" else 7)
 asked = interpolation.triangle(4)
-codes = np.stack([film.code(style).numpy() for style in trio])
-mix = np.array([gains[models[-1]][style] for style in trio])
+corners = [int(np.flatnonzero(asked[:, k] == 1)[0]) for k in range(3)]
+inner = np.setdiff1d(np.arange(len(asked)), corners)
 
 
 # %%
-def three_way():
+def three_way(trio: tuple[str, str, str]) -> tuple[np.ndarray, float, float, np.ndarray]:
+    """The shares that come out, how far they are off, how far if the walks are dealt out, and the slide of the feet."""
+    codes = torch.from_numpy(asked @ np.stack([film.code(style).numpy() for style in trio])).float()
+    mix = asked @ np.array([gains[models[-1]][style] for style in trio])
     middle = interpolation.starts(styles, [(trio[0], trio[1])], film.body, last=False, count=len(asked))
-    return roll_out(film, torch.from_numpy(asked @ codes).float(), middle, frames, Steady(asked @ mix))
+    places, skates = interpolation.walks_of(roll_out(film, codes, middle, frames, Steady(mix)), film.body, space)
+    if not np.isfinite(places).all():
+        return np.full(asked.shape, np.nan), np.nan, np.nan, skates
+    came_out = interpolation.barycentric(places, places[corners])
+    dealt = [np.abs(came_out[rng.permutation(inner)] - asked[inner]).mean() for _ in range(200)]
+    return came_out, float(np.abs(came_out - asked)[inner].mean()), float(np.mean(dealt)), skates
 
 
-places, skates = interpolation.walks_of(three_way(), film.body, space)
-corners = [int(np.flatnonzero(asked[:, k] == 1)[0]) for k in range(3)]
-found = interpolation.barycentric(places, places[corners])
-inner = np.setdiff1d(np.arange(len(asked)), corners)
-off = np.abs(found - asked)[inner].mean()
-chance = np.mean([np.abs(found[rng.permutation(inner)] - asked[inner]).mean() for _ in range(200)])
-axes = triangle_plot(asked, found, trio)
-alt = f"Three-way blends of {', '.join(trio)}: shares asked for and shares that came out, in a triangle."
+mixed = {trio: three_way(trio) for trio in trios}
+axes = triangle_plot(asked, mixed[trios[0]][0], trios[0])
+alt = f"Three-way blends of {', '.join(trios[0])}: shares asked for and shares that came out, in a triangle."
 plots.save_figure(axes.figure, figures / "07_interpolation-triangle.png", alt=alt)
 Image(figures / "07_interpolation-triangle.png", alt=alt)
 
 # %%
+whole_trios = [found for found in mixed.values() if np.isfinite(found[1])]
+shares_off, shares_dealt = (np.array([found[k] for found in whole_trios]) for k in (1, 2))
+three_off = paired_difference(shares_off, shares_dealt, rng)
+slides = np.array([[found[3][some].mean() for some in (corners, inner)] for found in whole_trios]).mean(axis=0)
 Markdown(
-    f"A share that comes out is off by {off:.2f} in the mean; by {chance:.2f} if the walks are dealt out at random. "
-    f"Slide of the feet at the corners {skates[corners].mean():.2f} m/s, between them {skates[inner].mean():.2f} m/s."
+    f"Of {len(mixed)} threes {len(whole_trios)} stayed finite. A share that comes out is off by "
+    f"{shares_off.mean():.2f} in the mean, by {shares_dealt.mean():.2f} if the walks are dealt out anew (difference "
+    f"{three_off}). Slide of the feet at the corners {slides[0]:.2f} m/s, between them {slides[1]:.2f} m/s."
 )
 
 # %% [markdown]
@@ -262,15 +303,20 @@ theirs = None if release is None else release_blends(release)
 
 
 # %%
-def released_table() -> str:
+def released_values() -> dict[str, tuple[float, float, float]]:
     some = [(blend, pair) for blend, pair in zip(theirs.blends, theirs.pairs, strict=True) if blend is not None]
-    values = {key: mean_over_pairs(np.array([getattr(b, key) for b, _ in some]), [p for _, p in some]) for key in heads}
+    return {key: mean_over_pairs(np.array([getattr(b, key) for b, _ in some]), [p for _, p in some]) for key in heads}
+
+
+def released_table(values: dict[str, tuple[float, float, float]]) -> str:
     cells = [f"{m:.2f} [{low:.2f}, {high:.2f}]" for m, low, high in values.values()]
     fig8 = [f"{getattr(theirs.blends[0], key):.2f}" for key in heads]
-    return markdown_table(list(heads.values()), {" to ".join(FIG_8): fig8, f"{len(some)} pairs": cells})
+    count = sum(blend is not None for blend in theirs.blends)
+    return markdown_table(list(heads.values()), {" to ".join(FIG_8): fig8, f"{count} pairs": cells})
 
 
-Markdown(released_table() if theirs else "Not run here.")
+of_release = released_values() if theirs else {}
+Markdown(released_table(of_release) if of_release else "Not run here.")
 
 
 # %%
@@ -290,12 +336,12 @@ released_strip() if theirs else Markdown("Nothing to draw.")
 # > The straight way between two styles can lead through poses in which limbs cut into the body ([M22] 6).
 #
 # From folded arms to arms behind the back, the hands have to get past the trunk. Least distance of the nearer hand from
-# the line of the trunk (m); half a body's depth is about 0.12 m.
+# the line of the trunk (m); half a body's depth is about 0.12 m, and a hand that is nearer cuts into the body.
 
 # %%
+HALF_A_BODY = 0.12
 near = {} if theirs is None else {pair: hand_to_trunk(release, theirs, pair) for pair in theirs.pairs}
-dips = {pair: min(d[0], d[-1]) - d.min() for pair, d in near.items()}
-closer = [pair for pair, dip in dips.items() if dip > 0.05]
+closer = [pair for pair, d in near.items() if d.min() < HALF_A_BODY <= min(d[0], d[-1])]
 named = [PAST_THE_TRUNK, *(pair for pair in closer if pair != PAST_THE_TRUNK)] if near else []
 lines = {" to ".join(pair): [f"{d:.2f}" for d in near[pair]] for pair in named}
 Markdown(markdown_table([f"{share:.1f}" for share in SHARES], lines) if near else "Not run here.")
@@ -304,22 +350,29 @@ Markdown(markdown_table([f"{share:.1f}" for share in SHARES], lines) if near els
 # ## The record
 
 # %%
-params = {"models": models, "pair_count": pair_count, "runs_folder": runs_folder}
+params = {"models": models, "pair_count": pair_count, "runs_folder": runs_folder, "beside": beside}
 data_files = [folder / "evaluation.json" for folder in folders.values()]
 recorder = Recorder("07_interpolation", dataset=dataset, preset=preset, params=params, data_files=data_files)
 largest = {model: table[model]["largest_step"] for model in (models[0], models[-1])}
 smoother, keeps = difference[1] > 0, halves[models[0]][1] > 0.5
 even_film = table[models[-1]]["off_line"][2] < table["a switch"]["off_line"][0] / 2
 step_words = [f"{name} {v:.2f} [{low:.2f}, {high:.2f}]" for name, (v, low, high) in largest.items()]
-recorder.claim(
-    "m22-fig8-bent-forward-lean-back",
-    smoother,
+# Where both models know the styles of Fig. 8 its pair decides; elsewhere pairs of the data's own styles.
+named_pair = [figure_8[model][0] for model in (models[0], models[-1])] if figure_8 else []
+own_words = (
     f"largest of ten steps between two styles, one-hot less FiLM {difference[0]:.3g} [{difference[1]:.2f}, "
-    f"{difference[2]:.2f}]; {', '.join(step_words)}; even is 0.1, a switch 1; pairs of the data's own styles",
-    value=list(difference),
-    n=len(kept),
-    seeds=[0],
+    f"{difference[2]:.2f}]; {', '.join(step_words)}; even is 0.1, a switch 1; {len(kept)} pairs of {dataset}"
 )
+if named_pair and all(named_pair):
+    steps_of = dict(zip((models[0], models[-1]), named_pair, strict=True))
+    words = [f"{model} {b.largest_step:.2f}, off the line {b.off_line:.2f}" for model, b in steps_of.items()]
+    own_words = f"the pair itself on {beside} (circular), largest step: {'; '.join(words)}; {own_words}"
+    smoother = steps_of[models[-1]].even and not steps_of[models[0]].even
+recorder.claim("m22-fig8-bent-forward-lean-back", smoother, own_words, value=list(difference), n=len(kept), seeds=[0])
+released_words = ""
+if of_release:
+    v, low, high = of_release["off_line"]
+    released_words = f"; the authors' own codes have {v:.2f} [{low:.2f}, {high:.2f}] in a space of their own"
 recorder.claim(
     "m22-one-hot-keeps-first-style",
     keeps,
@@ -331,7 +384,8 @@ recorder.claim(
 recorder.claim(
     "m22-film-smooth-interpolation",
     even_film,
-    f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}",
+    f"distance from an even blend, with its interval; a switch has {table['a switch']['off_line'][0]:.2f}, half of "
+    "which is asked for" + released_words,
     value=list(table[models[-1]]["off_line"]),
     n=len(kept),
     seeds=[0],
@@ -341,8 +395,8 @@ if near:
     recorder.claim(
         "m22-interpolation-clipping",
         bool(closer),
-        "released weights: pairs between which a hand comes 5 cm nearer to the trunk's line than in either style, "
-        "of how many, and the least distance (m)",
+        f"released weights: pairs between which a hand comes within {HALF_A_BODY} m of the trunk's line, as in neither "
+        "style, of how many, and the least distance (m)",
         value=[len(closer), len(near), least],
         n=len(near),
         dataset="100style",
@@ -355,7 +409,7 @@ for model in models:
     recorder.number(f"pairs that pass evenly {model}", even[model])
     recorder.number(f"disagreement of both starts {model}", apart[model])
 recorder.number("difference of the largest step", list(difference))
-recorder.number("three-way share off by", [off, chance])
+recorder.number("three-way share off by", [float(shares_off.mean()), float(shares_dealt.mean())])
 if theirs is not None:
     for pair, blend in zip(theirs.pairs, theirs.blends, strict=True):
         recorder.number(f"released largest step, {' to '.join(pair)}", None if blend is None else blend.largest_step)

@@ -17,11 +17,12 @@ from stylephase.evaluation.motion import foot_skate
 from stylephase.evaluation.rollouts import SETTLE, local_poses, start_of
 from stylephase.evaluation.style import StyleSpace, space_of, statistics
 from stylephase.features.body import Body
-from stylephase.features.layout import CLIP_FRAMES, CLIP_STRIDE
+from stylephase.features.layout import CLIP_FRAMES, CLIP_STRIDE, FPS
 from stylephase.features.store import StyleVectors
 from stylephase.models.bundle import Bundle
 from stylephase.runtime.controller import State
-from stylephase.runtime.rollout import Rollout
+from stylephase.runtime.plans import Steady
+from stylephase.runtime.rollout import Rollout, roll_out
 
 # The share of the second style goes from 0 to 1 in tenths.
 SHARES = np.linspace(0.0, 1.0, 11)
@@ -54,6 +55,11 @@ class Blend:
     def largest_step(self) -> float:
         """The largest change between neighbouring shares: 0.1 if even in tenths, 1 for a switch."""
         return float(np.abs(np.diff(self.along)).max())
+
+    @property
+    def even(self) -> bool:
+        """Whether it passes evenly: no step of more than two tenths, and hardly ever back."""
+        return self.largest_step <= 0.2 and self.monotonicity >= 0.95
 
     @property
     def monotonicity(self) -> float:
@@ -115,6 +121,20 @@ def starts(
 ) -> State:
     """Each pair's characters in a pose of the first style's data, or of the last one's."""
     return start_of([styles[pair[last]] for pair in pairs], body).repeated(count)
+
+
+def walked_blends(
+    bundle: Bundle,
+    gains: Mapping[str, float],
+    styles: Mapping[str, StyleVectors],
+    pairs: Sequence[Pair],
+    *,
+    seconds: float = 10.0,
+) -> list[Rollout]:
+    """Walks straight on along the blend of each pair, begun in a pose of the first style's data, then of the last's."""
+    codes, plan = blended_codes(bundle, pairs), Steady(blended_gains(gains, pairs))
+    begun = [starts(styles, pairs, bundle.body, last=last) for last in (False, True)]
+    return [roll_out(bundle, codes, start, int(seconds * FPS), plan) for start in begun]
 
 
 def blends_of(
