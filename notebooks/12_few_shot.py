@@ -32,6 +32,7 @@ seed: int = 0  # seed of the learning
 # %%
 import time
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np

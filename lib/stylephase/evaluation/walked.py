@@ -112,10 +112,13 @@ class Walked:
         """Collar bones of each style."""
         return {style: self.data.collars_in([walk]) for style, walk in self.walks.items()}
 
+    def against_least(self, style: str) -> Float[ndarray, "2"]:
+        """The spread of each hand over that in the recorded walk in which it moves least."""
+        return self.hands[style].spread / np.maximum(least_spread(self.data.paths[style]), 1e-9)
+
     def stuck(self, style: str) -> int:
         """How many hands are stuck: below the threshold even of the recorded walk in which the hand moves least."""
-        least = least_spread(self.data.paths[style])
-        return int((self.hands[style].spread < self.data.stuck_below * least).sum())
+        return int((self.against_least(style) < self.data.stuck_below).sum())
 
     def again(self, style: str, starts: int, seconds: float = 20.0) -> list[Stretch | None]:
         """Walks of one style from several frames of its data; None for one that does not stay finite."""
