@@ -383,7 +383,7 @@ step = rows[next(name for name in rows if name.startswith("training step, batch"
 recorder.claim("ours-bench-training", value=step.ratio, note=kept)
 recorder.claim("ours-bench-memory", value=rows["memory of these steps beyond the start"].ours)
 recorder.claim("ours-bench-network", value=alone.ours, note=reading)
-recorder.claim("ours-bench-network-ratio", value=alone.ratio)
+recorder.claim("ours-bench-network-ratio", value=alone.ratio, note=reading)
 recorder.claim("ours-bench-tick", value=rows["next frame, whole tick"].ours, note=reading)
 eight = rows["next frame, network alone, weights of 8 bits"]
 recorder.claim("ours-bench-eight-bits", value=eight.ratio, note=eight.note)

@@ -38,8 +38,9 @@ HEADLINE, SCORECARD = "headline", "scorecard"
 # Numbers and settings can agree because a thing is built alike; these say how it behaves.
 _STATEMENTS = ("ordering", "qualitative", "figure")
 HOW_SURE = (
-    "Square brackets hold 95 % intervals, over styles, and over seeds where there are several. A claim that differs "
-    "with an interval on both sides of no effect was not shown, which is less than contradicted."
+    "Square brackets hold 95 % intervals, over styles, and over seeds where there are several; where one style is "
+    "judged (notebook 06), over starts of one training, which say nothing of another. A claim that differs with an "
+    "interval on both sides of no effect was not shown, which is less than contradicted."
 )
 MAIN_HEADER = "| What the papers say | Verdict | What we found | Notebook |\n|---|---|---|---|"
 HEADER = "| Where | Claim | Paper | Ours | Verdict | Notebook |\n|---|---|---|---|---|---|"
