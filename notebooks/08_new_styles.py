@@ -152,7 +152,7 @@ Markdown(
     f"rarer than {2 / 2 ** len(errors):.2f}). Holding the pose, or a known style's code, is still better in "
     f"{len(still)}: {', '.join(still) or 'none'}. Before, the error of new styles over that of holding the pose is "
     f"{np.exp(worse.value):.2f} [{np.exp(worse.low):.2f}, {np.exp(worse.high):.2f}] times that of known ones (by "
-    f"chance {worse.p:.3f})."
+    f"chance {worse.p:.4f})."
 )
 
 # %% [markdown]
@@ -323,7 +323,7 @@ recorder.claim(
     "m22-unseen-styles-not-robust",
     worse.low > 0 and worse.p < 0.05,
     "error of a step over that of holding the pose, new styles' over known ones', by chance "
-    f"{worse.p:.3f}; before fine-tuning over after, mean {gain.mean():.2f} ({gain.min():.2f} to {gain.max():.2f})",
+    f"{worse.p:.4f}; before fine-tuning over after, mean {gain.mean():.2f} ({gain.min():.2f} to {gain.max():.2f})",
     value=[float(np.exp(v)) for v in worse.interval],
     n=count,
     seeds=seeds,
@@ -356,7 +356,7 @@ recorder.claim(
     "m22-fig11a-before",
     blurred.low > 0 and blurred.p < 0.05,
     f"mean silhouette in the space of the codes, known styles then new ones; apart by {blurred}, by chance "
-    f"{blurred.p:.3f}",
+    f"{blurred.p:.4f}",
     value=[seen, unseen_before],
     n=count,
     seeds=seeds,

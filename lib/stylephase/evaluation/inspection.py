@@ -4,7 +4,7 @@ Nothing is assumed of the file but that somebody may walk in it. A fault makes a
 will be worse for it.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -25,7 +25,7 @@ from stylephase.motion.bvh import read_bvh, read_with_unit, write_bvh
 from stylephase.motion.clip import Clip, Pose, forward_kinematics, resample
 from stylephase.motion.root import root_of
 from stylephase.motion.skeleton import EFFECTOR_NAMES, Skeleton
-from stylephase.phase.local import PhaseVariant, variant
+from stylephase.phase.local import variant
 from stylephase.phase.source import Movement, principal_source, sourcing
 from stylephase.phase.take import TakePhases, movement_of, movement_phases
 
@@ -109,7 +109,7 @@ class Inspection:
 
 @dataclass(frozen=True)
 class Report:
-    """Files of one folder: what was found of each, and the skeleton of the first that could be read."""
+    """Files of one folder: what was found of each, and the skeleton that most of them have."""
 
     takes: tuple[Inspection, ...]
     skeleton: Skeleton | None
@@ -120,19 +120,42 @@ class Report:
         return tuple(take for take in self.takes if take.usable)
 
 
-def inspect_files(files: Iterable[tuple[Path, str]], how: PhaseVariant | None = None) -> Report:
-    """Inspect files of (path, style); all should have the skeleton of the first one that could be read."""
-    found, first = list[Inspection](), None
+def inspect_files(files: Iterable[tuple[Path, str]]) -> Report:
+    """Inspect files of (path, style); those with another skeleton than most others are of no use beside them."""
+    takes, skeletons = list[Inspection](), dict[Path, Skeleton]()
     for path, style in files:
         try:
             clip, unit = read_with_unit(path)
-            first = first or (path, clip.skeleton)
-            check_same_skeleton(path, clip.skeleton, first[1], whose=first[0].name)
+            takes.append(inspect_clip(clip, path, style, unit))
         except InputError as error:
-            found.append(Inspection(path, style, faults=(_without_path(error),)))
+            takes.append(Inspection(path, style, faults=(_without_path(error),)))
             continue
-        found.append(inspect_clip(clip, path, style, unit, how))
-    return Report(tuple(found), first[1] if first else None)
+        skeletons[path] = clip.skeleton
+    if not skeletons:
+        return Report(tuple(takes), None)
+    first = most_common_skeleton(skeletons)
+    for k, take in enumerate(takes):
+        if take.file in skeletons and (reason := _other_skeleton(take.file, skeletons, first)):
+            takes[k] = Inspection(take.file, take.style, faults=(reason,))
+    return Report(tuple(takes), skeletons[first])
+
+
+def most_common_skeleton(skeletons: Mapping[Path, Skeleton]) -> Path:
+    """The first file whose skeleton most files have; of skeletons that as many have, the one met first."""
+    counts = dict[Path, int]()
+    for path in skeletons:
+        known = next((first for first in counts if _other_skeleton(path, skeletons, first) is None), path)
+        counts[known] = counts.get(known, 0) + 1
+    return max(counts, key=lambda first: counts[first])
+
+
+def _other_skeleton(path: Path, skeletons: Mapping[Path, Skeleton], first: Path) -> str | None:
+    """How the skeleton of a file differs from that of another file, or None."""
+    try:
+        check_same_skeleton(path, skeletons[path], skeletons[first], whose=first.name)
+    except InputError as error:
+        return error.reason
+    return None
 
 
 def keep_usable(report: Report, folder: Path) -> Path:
@@ -172,7 +195,7 @@ def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> dict[Path,
     return found
 
 
-def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVariant | None = None) -> Inspection:
+def inspect_clip(clip: Clip, path: Path, style: str, unit: float) -> Inspection:
     """Inspect one take that could be read, from a file with this unit of length (m)."""
     skeleton, stretch = clip.skeleton, unbroken(clip)
     at_60 = resample(clip.frames(*stretch), FPS)
@@ -194,7 +217,7 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float, how: PhaseVari
     if faults:
         return replace(seen, faults=faults)
     movement = movement_of(pose, skeleton, FPS, MIDDLE_CONTACT)
-    phases = movement_phases(movement, sourcing([movement]), how or variant("adaptive"))
+    phases = movement_phases(movement, sourcing([movement]), variant("adaptive"))
     walk, apart = walk_of(pose, skeleton, phases), float(np.median(antiphase(phases.local.phase)))
     fault = too_slow(walk.speed) or _no_cycle(walk)
     seen = replace(seen, walk=walk, clarity=clarity_of(movement, phases), apart=apart, faults=(fault,) if fault else ())

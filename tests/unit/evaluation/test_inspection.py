@@ -144,6 +144,16 @@ def test_files_that_cannot_be_read_or_have_another_skeleton_are_listed_among_the
     assert len(rows) == 3 and all(len(row) == len(HEADS) for row in rows)
 
 
+def test_the_skeleton_that_most_files_have_counts_not_that_of_the_first(ahead, tmp_path):
+    write_bvh(tmp_path / "a.bvh", named(ahead, "mixamo"))
+    for name in "bc":
+        write_bvh(tmp_path / f"{name}.bvh", ahead)
+    report = inspect_files([(tmp_path / f"{name}.bvh", "mine") for name in "abc"])
+    assert [take.usable for take in report.takes] == [False, True, True]
+    assert "joints differ from those of b.bvh" in report.takes[0].faults[0]
+    assert report.skeleton is not None and report.skeleton.names == ahead.skeleton.names
+
+
 def test_weights_are_offered_to_the_skeleton_that_they_know_if_they_can_learn(tmp_path, ahead):
     save_bundle(tmp_path / "whole", tiny.bundle())
     save_bundle(tmp_path / "to-run", tiny.bundle(), to_run=True)
