@@ -51,7 +51,7 @@ COPIES = f"build/notebooks/{SET}-{PRESET}"
 # Runs come first, for most notebooks wait for them, and the longest notebooks before the others: a short one at the end
 # leaves no processor waiting for long.
 SOONER = 1
-LONGEST = ("02_local_phases", "06_failure_cases", "09_play")
+LONGEST = ("02_local_phases", "06_failure_cases", "09_play", "14_measuring_style")
 
 # Jobs speak on standard output, so that `make` can send Snakemake's own account of them to a file.
 shell.prefix("set -euo pipefail; exec 2>&1; ")

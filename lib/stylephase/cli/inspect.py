@@ -17,6 +17,7 @@ from stylephase.evaluation.inspection import (
     FINETUNE,
     Inspection,
     Report,
+    check_new_folder,
     fitting_weights,
     inspect_files,
     keep_usable,
@@ -36,6 +37,8 @@ def inspect(
     """
     paths = [Path(str(path).removeprefix(OWN)) for path in paths]
     files = [pair for path in paths for pair in _files(path)]
+    if keep:
+        check_new_folder(keep)
     report = inspect_files(tqdm(files, desc="inspect", unit="file", disable=None))
     fitting = fitting_weights(report.skeleton) if report.skeleton else {}
     takes = [asdict(take) | {"usable": take.usable} for take in report.takes]

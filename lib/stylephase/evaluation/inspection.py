@@ -164,14 +164,19 @@ def keep_usable(report: Report, folder: Path) -> Path:
     Each is cut to the stretch in which nothing jumps; of files with one name the further ones get a number. Raises
     InputError where the folder holds something, so that nobody's files are lost.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError("is there and not empty; name another folder", folder)
+    check_new_folder(folder)
     for take in report.usable:
         place, number = folder / take.style / take.file.name, 2
         while place.exists():
             place, number = place.with_name(f"{take.file.stem}-{number}{take.file.suffix}"), number + 1
         write_bvh(place, read_bvh(take.file).frames(*take.stretch))
     return folder
+
+
+def check_new_folder(folder: Path) -> None:
+    """Raise InputError where a folder to write into holds something already, or is a file."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError("is there and not empty; name another folder", folder)
 
 
 def fitting_weights(skeleton: Skeleton, folder: Path = PRETRAINED) -> dict[Path, str]:
