@@ -630,13 +630,12 @@ def pendulum(case: Case) -> tuple[bool, str, list]:
 def hops_alike(walks: list, data: FootUse) -> list[bool]:
     """Whether the feet of each walk, one that broke off counting as not, are used as in the data."""
     layout = hop_case.data.body.layout
-    found = [None if walk is None else foot_use([walk], layout) for walk in walks]
-    return [
-        own is not None
-        and max(abs(np.subtract(own.contact, data.contact))) < 0.1
-        and abs(own.raised - data.raised) < 0.05
-        for own in found
-    ]
+
+    def alike(own: FootUse) -> bool:
+        stands = max(abs(np.subtract(own.contact, data.contact))) < 0.1
+        return bool(stands and abs(own.raised - data.raised) < 0.05)
+
+    return [walk is not None and alike(foot_use([walk], layout)) for walk in walks]
 
 
 TIED = ", so that a global phase may do"
