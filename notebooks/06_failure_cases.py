@@ -356,19 +356,30 @@ table(heads, *[feet_row(*key, use) for key, use in used.items()])
 # ### What phases from contacts alone would give
 #
 # The same network is trained once more on the walker with phases from contacts alone, of which the raised foot has
-# none. Over several starts: the amplitude of the raised foot's swing against the data's, and how far it is tied to the
-# hop.
+# none, once for each seed. The amplitude of the raised foot's swing against the data's, and how far it is tied to the
+# hop, each the mean over several starts, by seed. These are small networks, trained for less than a minute.
 
 # %%
 hop_case = next((case for case in cases if hops(case) and "synthetic" in case.name), None)
 hop = hops(hop_case)[0] if hop_case else ""
 
 
-def blind_twin(case: Case) -> Walked:
+def by_seeds(case: Case, model: str) -> dict[int, Walked]:
+    """The walks of every run of a model with weights, by its seed."""
+    first, whole = case.first[model], [run for run in case.runs[model] if run.has_weights]
+    return {run.seed: case.walked[model] if run is first else walk_all(run, case.data) for run in whole}
+
+
+def blind_twin(case: Case, seed: int, seen: Walked) -> Walked:
     store = ContactBasedStore(case.data.store.catalogue, case.data.store.phases)
-    seen = case.walked["lpn-film"]
-    bundle = train_contact_based(store, "quick")
+    bundle = train_contact_based(store, "quick", seed)
     return Walked(bundle, seen.gains, seen.rollout, recordings(store, list(case.data.walks)))
+
+
+def mean_by_seed(case: Case, walks: list[list]) -> dict[str, np.ndarray]:
+    """Means over the finite walks of each seed."""
+    some = [raised_foot(case, each) for each in walks]
+    return {kind: np.array([one[kind].mean() if len(one[kind]) else 0.0 for one in some]) for kind in some[0]}
 
 
 def raised_foot(case: Case, walks: list) -> dict[str, np.ndarray]:
@@ -382,9 +393,10 @@ def raised_foot(case: Case, walks: list) -> dict[str, np.ndarray]:
 
 swings = {}
 if hop_case:
-    blind = blind_twin(hop_case).again(hop, starts)
-    seeing = hop_case.walked["lpn-film"].again(hop, starts)
-    swings = {"contact-free": raised_foot(hop_case, seeing), "contacts alone": raised_foot(hop_case, blind)}
+    hoppers = by_seeds(hop_case, "lpn-film")
+    twins = [blind_twin(hop_case, seed, seen) for seed, seen in hoppers.items()]
+    seeing, blind = ([walked.again(hop, starts) for walked in some] for some in (hoppers.values(), twins))
+    swings = {"contact-free": mean_by_seed(hop_case, seeing), "contacts alone": mean_by_seed(hop_case, blind)}
     swings |= {"data": raised_foot(hop_case, hop_case.data.walks[hop])}
 rows = [
     (name, *(f"{v.mean():.2f} ({v.min():.2f} to {v.max():.2f})" for v in found.values()))
@@ -394,7 +406,7 @@ table(("phases", "amplitude of the raised foot over the data's", "tied to the ho
 
 # %%
 swing_effect = {}
-if swings and len({len(found["tied"]) for name, found in swings.items() if name != "data"}) == 1:
+if swings:
     both = (swings["contact-free"], swings["contacts alone"])
     swing_effect = {kind: difference(-abs(both[0][kind] - 1), -abs(both[1][kind] - 1), rng) for kind in both[0]}
 rows = [(kind, f"{effect}", f"{effect.p:.3f}") for kind, effect in swing_effect.items()]
@@ -696,22 +708,25 @@ else:
     recorder.not_testable("m22-mann-competitive", "runs of mann-film")
 if hop_case:
     data = used[hop_case.name, hop, "data"]
-    hopping = {"LPN FiLM": hops_alike(seeing, data)}
+    hopping = {"LPN FiLM": [float(np.mean(hops_alike(walks, data))) for walks in seeing]}
     if "pfnn-film" in hop_case.walked:
-        hopping["PFNN FiLM"] = hops_alike(hop_case.walked["pfnn-film"].again(hop, starts), data)
+        others = [walked.again(hop, starts) for walked in by_seeds(hop_case, "pfnn-film").values()]
+        hopping["PFNN FiLM"] = [float(np.mean(hops_alike(walks, data))) for walks in others]
     plain = next(style for style in hop_case.data.walks if style not in hops(hop_case))
-    hopping[f"walks of {plain}"] = hops_alike(hop_case.data.walks[plain], data)
-    note = "walks in which each foot stands as often as in the data and the toes are as far apart in height: "
-    note += "; ".join(f"{who} {sum(some)} of {len(some)}" for who, some in hopping.items())
+    hopping[f"walks of {plain}"] = [float(np.mean(hops_alike(hop_case.data.walks[plain], data)))]
+    note = (
+        "share of walks, by seed, in which each foot stands as often as in the data and the toes are as far apart in "
+    )
+    note += "height: " + "; ".join(f"{who} {', '.join(f'{v:.2f}' for v in some)}" for who, some in hopping.items())
     note += f"; the raised foot swings {swings['contact-free']['amplitude'].mean():.2f} times as far as in the data"
-    value = [sum(hopping["LPN FiLM"]), len(hopping["LPN FiLM"])]
-    judge("m22-fig6-left-hop", all(hopping["LPN FiLM"]), note, value=value, n=starts)
+    value, hop_seeds = hopping["LPN FiLM"], list(hoppers)
+    judge("m22-fig6-left-hop", min(value) > ENOUGH, note, value=value, n=starts, seeds=hop_seeds)
     note = "; ".join(f"{kind} of the raised foot nearer to the data's by {e}" for kind, e in swing_effect.items())
     note += f"; tied to the hop with contact-free phases {swings['contact-free']['tied'].mean():.2f}, data "
     note += f"{swings['data']['tied'].mean():.2f}"
     better = bool(swing_effect) and all(effect.low > 0 for effect in swing_effect.values())
     better = better and swings["contact-free"]["tied"].mean() > ENOUGH
-    judge("m22-contact-free-varying-contacts", better, note or "not all walks stayed finite", n=starts)
+    judge("m22-contact-free-varying-contacts", better, note, n=starts, seeds=hop_seeds)
 else:
     for identifier in ("m22-fig6-left-hop", "m22-contact-free-varying-contacts"):
         recorder.not_testable(identifier, "a style that hops, or runs of the walker (synthetic, quick)")

@@ -46,7 +46,7 @@ class ContactBasedStore(VectorStore):
         return contact_based(super().load(style), self.body.layout)
 
 
-def train_contact_based(store: VectorStore, preset: str) -> Bundle:
+def train_contact_based(store: VectorStore, preset: str, seed: int) -> Bundle:
     """LPN with FiLM trained like any other, but on phases from contacts alone."""
     blind = ContactBasedStore(store.catalogue, store.phases)
-    return trained(blind, "lpn-film", find_preset(preset), preset, 0, quiet)
+    return trained(blind, "lpn-film", find_preset(preset), preset, seed, quiet)
