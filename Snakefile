@@ -48,16 +48,27 @@ HELD_OUT_RUN = f"build/runs/{SET}-{PRESET}-{SPARING}"
 FIGURES = f"build/figures/{SET}-{PRESET}"
 COPIES = f"build/notebooks/{SET}-{PRESET}"
 
+# Styles whose vectors one process makes: to start one takes as long as a style.
+LOT = 7
+
 # Runs come first, for most notebooks wait for them, and the longest notebooks before the others: a short one at the end
 # leaves no processor waiting for long.
 SOONER = 1
 LONGEST = ("02_local_phases", "06_failure_cases", "09_play", "14_measuring_style")
 
+# The quick preset only shows that every step runs, so notebooks train and walk for less than they do elsewhere.
+QUICKER = {
+    "04_training": "--param bone_steps 60",
+    "06_failure_cases": "--param starts 3",
+    "09_play": "--param seconds 5",
+    "15_your_own_mocap": "--param steps 400",
+}
+
 # Jobs speak on standard output, so that `make` can send Snakemake's own account of them to a file.
 shell.prefix("set -euo pipefail; exec 2>&1; ")
 
 wildcard_constraints:
-    style="[^/]+", model="[a-z-]+", seed="[0-9]+", run="[a-z-]+-seed[0-9]+", notebook="[0-9]{2}_[a-z_]+",
+    lot="[0-9]+", model="[a-z-]+", seed="[0-9]+", run="[a-z-]+-seed[0-9]+", notebook="[0-9]{2}_[a-z_]+",
     base="base|normal"
 
 
@@ -67,10 +78,16 @@ def code(layer):
     return sorted(str(path) for name in layers for path in Path("lib/stylephase", name).rglob("*.py"))
 
 
+def lots():
+    """The styles by lots, each the work of one process, once the data are there."""
+    names = list(json.loads(Path(DATA).read_text())["frames_by_style"])
+    return [names[first : first + LOT] for first in range(0, len(names), LOT)]
+
+
 def styles(_):
     """The vectors of every style, known once the data are there."""
     checkpoints.data.get()
-    return [f"build/vectors/{SET}/{style}.json" for style in json.loads(Path(DATA).read_text())["frames_by_style"]]
+    return [f"build/vectors/{SET}/{lot}.json" for lot in range(len(lots()))]
 
 
 def needs(wildcards):
@@ -95,6 +112,12 @@ def needs(wildcards):
     return [*runs, *([f"build/runs/{SET}-{PRESET}-pfnn-cp-base-seed0/training.json"] if base else [])]
 
 
+def more(notebook):
+    """Parameters of a notebook beside those that all have."""
+    quicker = QUICKER.get(notebook, "") if PRESET == "quick" else ""
+    return f"--param run {SPARING}" if notebook == "08_new_styles" else quicker
+
+
 rule all:
     localrule: True
     input: expand(f"{COPIES}/{{notebook}}.ipynb", notebook=NOTEBOOKS), DATA
@@ -113,12 +136,13 @@ checkpoint data:
 
 rule vectors:
     input: DATA, code("features")
-    output: f"build/vectors/{SET}/{{style}}.json"
+    output: f"build/vectors/{SET}/{{lot}}.json"
     priority: SOONER
+    params: styles=lambda wildcards: ",".join(lots()[int(wildcards.lot)])
     shell:
         """
-        echo "Vectors of {wildcards.style}"
-        stylephase vectors --data {DATASET:q} --styles {wildcards.style:q} --json > {output:q}
+        echo "Vectors of {params.styles}"
+        stylephase vectors --data {DATASET:q} --styles {params.styles:q} --json > {output:q}
         """
 
 
@@ -201,7 +225,7 @@ rule notebook:
     input: "notebooks/{notebook}.py", needs, code("report")
     output: f"{COPIES}/{{notebook}}.ipynb", f"{FIGURES}/{{notebook}}.json"
     priority: lambda wildcards: SOONER if wildcards.notebook in LONGEST else 0
-    params: more=lambda wildcards: f"--param run {SPARING}" if wildcards.notebook == "08_new_styles" else ""
+    params: more=lambda wildcards: more(wildcards.notebook)
     shell:
         """
         echo "Notebook {wildcards.notebook}"
