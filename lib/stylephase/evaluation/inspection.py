@@ -17,7 +17,7 @@ from stylephase.errors import InputError
 from stylephase.evaluation.motion import ALTERNATION, foot_skate, steps_of
 from stylephase.evaluation.phases import antiphase, explained
 from stylephase.features.body import body_from_json
-from stylephase.features.captures import SLOWEST, UPRIGHT, above_the_feet, not_upright, too_short, too_slow
+from stylephase.features.captures import SLOWEST, UPRIGHT, above_the_feet, other_axis_up, too_short, too_slow
 from stylephase.features.layout import FPS
 from stylephase.models.bundle import description
 from stylephase.models.zoo import PHASED_ADAPTERS, model
@@ -218,7 +218,11 @@ def inspect_clip(clip: Clip, path: Path, style: str, unit: float) -> Inspection:
             name: skeleton.names[joint] for name, joint in zip(EFFECTOR_NAMES, skeleton.roles.effectors, strict=True)
         },
     )
-    faults = tuple(fault for fault in (too_short(at_60), not_upright(pose, skeleton)) if fault is not None)
+    faults = tuple(
+        fault
+        for fault in (too_short(at_60), other_axis_up(pose, skeleton) or _low(pose, skeleton))
+        if fault is not None
+    )
     if faults:
         return replace(seen, faults=faults)
     movement = movement_of(pose, skeleton, FPS, MIDDLE_CONTACT)
@@ -286,6 +290,14 @@ def gait_of(speed: float, towards: float, flight: float) -> str:
     verb = "runs" if flight > _FLIGHT and speed > _RUNNING else "walks"
     way = "ahead" if abs(towards) < 45 else "backwards" if abs(towards) > 135 else "sideways"
     return f"{verb} {way}"
+
+
+def _low(pose: Pose, skeleton: Skeleton) -> str | None:
+    """Why a take in which nobody stands upright is of no use, or None."""
+    above, legs = float(np.median(above_the_feet(pose, skeleton)[:, 1])), skeleton.length_to(skeleton.roles.toes[0])
+    if above > UPRIGHT:
+        return None
+    return f"the hips are {above * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"
 
 
 def _no_cycle(walk: Walk) -> str | None:

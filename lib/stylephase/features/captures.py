@@ -57,7 +57,7 @@ def check_upright(catalogue: Catalogue) -> None:
     for style in catalogue.styles:
         entry = catalogue.of(style)[0]
         clip = load_clip(entry, catalogue.dataset, fps=FPS)
-        if reason := not_upright(forward_kinematics(clip), clip.skeleton):
+        if reason := other_axis_up(forward_kinematics(clip), clip.skeleton):
             raise InputError(reason, entry.path)
 
 
@@ -93,7 +93,7 @@ def _source(data: str) -> Dataset:
 
 def _check_walk(path: Path, clip: Clip) -> None:
     pose = forward_kinematics(clip)
-    reason = too_short(clip) or not_upright(pose, clip.skeleton)
+    reason = too_short(clip) or other_axis_up(pose, clip.skeleton)
     if reason is None:
         root, half = root_of(pose, clip.skeleton).positions, int(FPS / 2)
         reason = too_slow(float(np.linalg.norm(root[half:] - root[:-half], axis=1).mean() * FPS / half))
@@ -107,16 +107,13 @@ def above_the_feet(pose: Pose, skeleton: Skeleton) -> Float[ndarray, "frames 3"]
     return (pose.positions[:, 0] - toes) / skeleton.length_to(skeleton.roles.toes[0])
 
 
-def not_upright(pose: Pose, skeleton: Skeleton) -> str | None:
-    """Why a take with another axis up, or in which nobody stands upright, is of no use, or None."""
-    above, legs = np.median(above_the_feet(pose, skeleton), axis=0), skeleton.length_to(skeleton.roles.toes[0])
-    if above[1] > UPRIGHT:
-        return None
+def other_axis_up(pose: Pose, skeleton: Skeleton) -> str | None:
+    """Why a take with another axis up is of no use, or None; who crouches or runs may be low over the feet."""
+    above = np.median(above_the_feet(pose, skeleton), axis=0)
     axis = int(np.abs(above).argmax())
-    if axis != 1 and abs(above[axis]) > UPRIGHT:
-        sign = "" if above[axis] > 0 else "-"
-        return f"its up axis seems to be {sign}{_AXES[axis]}; export it with y up"
-    return f"the hips are {above[1] * legs:.2f} m above the feet, with legs of {legs:.2f} m: nobody stands in it"
+    if axis == 1 or abs(above[axis]) <= UPRIGHT:
+        return None
+    return f"its up axis seems to be {'' if above[axis] > 0 else '-'}{_AXES[axis]}; export it with y up"
 
 
 def too_short(clip: Clip) -> str | None:
